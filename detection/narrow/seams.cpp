@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace epafi {
 
 namespace {
-
-constexpr std::uint32_t no_wall = 0xffffffffu;
 
 ShapeRef shape_of(const World& world, Slot s) { return ShapeRef{world.shape[s]}; }
 
@@ -41,106 +40,58 @@ void take_out(ContactSet& contacts, const std::vector<std::uint8_t>& gone) {
   shorten(contacts.effective_radius);
 }
 
-/// Of the cell and its neighbours, itself first.
-std::vector<Vec3> image_shifts(const PeriodicCell* cell) {
-  std::vector<Vec3> shifts(1, Vec3::Zero());
-  if (cell == nullptr) return shifts;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!cell->repeats[static_cast<std::size_t>(axis)]) continue;
-    const Vec3 along = cell->size[axis] * Vec3::Unit(axis);
-    const std::size_t count = shifts.size();
-    for (std::size_t k = 0; k < count; ++k) {
-      shifts.push_back(shifts[k] + along);
-      shifts.push_back(shifts[k] - along);
-    }
-  }
-  return shifts;
+/// Of the same bodies and image.
+bool same_group(const ContactSet& contacts, std::size_t i, std::size_t k) {
+  return same_bodies(contacts, i, k) && contacts.feature[i] >> 56 == contacts.feature[k] >> 56;
 }
 
-/// Contacts of two bodies; A has the lower id.
-std::pair<std::size_t, std::size_t> pair_range(const World& world, const ContactSet& contacts, Slot p, Slot q) {
-  const std::pair pair = world.id[p] < world.id[q] ? std::pair(p, q) : std::pair(q, p);
-  const auto key = [&](std::size_t i) { return std::pair(contacts.a[i], contacts.b[i]); };
-  std::size_t begin = 0, end = contacts.size();
-  while (begin < end) {
-    const std::size_t middle = begin + (end - begin) / 2;
-    if (key(middle) < pair)
-      begin = middle + 1;
-    else
-      end = middle;
-  }
-  while (end < contacts.size() && key(end) == pair) ++end;
-  return {begin, end};
+std::size_t end_of_group(const ContactSet& contacts, std::size_t begin) {
+  std::size_t end = begin + 1;
+  while (end < contacts.size() && same_group(contacts, begin, end)) ++end;
+  return end;
+}
+
+Vec3 velocity_at(const World& world, Slot s, const Vec3& arm) {
+  return world.rotates() ? Vec3(world.velocity[s] + world.angular_velocity[s].cross(arm)) : world.velocity[s];
+}
+
+/// Of contact i, beside the wall where that is itself, not at an image.
+Vec3 point_on(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b) {
+  return wall_is_b ? Vec3(world.position[contacts.b[i]] + contacts.arm_b(i, world)) : contacts.point(i, world);
 }
 
 }  // namespace
 
-void Seams::find(const World& world) {
+void Seams::find(const World& world, const PairList& list) {
   const auto& solids = shapes_.of<SolidParts>();
   solids_ = std::ranges::any_of(solids, [](const SolidParts& s) { return s.part_count() > 1; });
-  walls_.clear();
-  moved_ = false;
-  for (Slot s = 0; s < world.size(); ++s)
-    if (!world.is_movable(s) && has_flat_faces(shapes_, shape_of(world, s))) walls_.push_back({s, {}});
-  if (walls_.size() == 1 && !world.cell) walls_.clear();
-  wall_of_slot_.assign(walls_.empty() ? 0 : world.size(), no_wall);
-  for (std::uint32_t k = 0; k < walls_.size(); ++k) wall_of_slot_[walls_[k].slot] = k;
-  find_neighbours(world);
-}
-
-/// None of a body that is no wall; bodies that were born since are none.
-std::span<const Seams::Neighbour> Seams::neighbours_of(Slot s) const {
-  if (s >= wall_of_slot_.size() || wall_of_slot_[s] == no_wall) return {};
-  return walls_[wall_of_slot_[s]].neighbours;
-}
-
-/// Boxes of walls and images are swept along x.
-void Seams::find_neighbours(const World& world) {
-  const std::vector<Neighbour> all = walls_and_images(world);
-  for (Wall& wall : walls_) wall.neighbours.clear();
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const double reach = tolerance * all[i].box.extent().norm();
-    const Aabb box = all[i].box.fattened(std::isfinite(reach) ? reach : 0.0);
-    for (std::size_t k = i + 1; k < all.size() && all[k].box.min.x() <= box.max.x(); ++k) {
-      if (!box.overlaps(all[k].box)) continue;
-      if (all[i].shift.isZero(0.0)) walls_[wall_of_slot_[all[i].slot]].neighbours.push_back(all[k]);
-      if (all[k].shift.isZero(0.0)) walls_[wall_of_slot_[all[k].slot]].neighbours.push_back(all[i]);
+  flat_.resize(world.size());
+  radius_.resize(world.size());
+  for (Slot s = 0; s < world.size(); ++s) {
+    flat_[s] = has_flat_faces(shapes_, shape_of(world, s));
+    radius_[s] = shapes_.bounding_radius(shape_of(world, s));
+  }
+  joins_ = std::ranges::count(flat_, 1) > (world.cell ? 0 : 1);
+  near_.begin.assign(world.size() + 1, 0);
+  near_.fill([&](auto&& f) {
+    for (const Pair& p : joins_ ? std::span<const Pair>(list.pairs) : std::span<const Pair>()) {
+      if (flat_[p.a] == 0 || flat_[p.b] == 0) continue;
+      if (world.is_movable(p.a)) f(p.a, p.b);
+      if (world.is_movable(p.b)) f(p.b, p.a);
     }
-  }
-  touching_ = std::ranges::any_of(walls_, [](const Wall& wall) { return !wall.neighbours.empty(); });
-}
-
-std::vector<Seams::Neighbour> Seams::walls_and_images(const World& world) const {
-  std::vector<Neighbour> all;
-  for (const Wall& wall : walls_) {
-    const Aabb box = shapes_.bounding_box(world, wall.slot);
-    for (const Vec3& shift : image_shifts(world.cell ? &*world.cell : nullptr))
-      all.push_back({wall.slot, world.id[wall.slot], shift, {box.min + shift, box.max + shift}});
-  }
-  std::sort(all.begin(), all.end(), [](const Neighbour& p, const Neighbour& q) {
-    return std::pair(p.box.min.x(), p.id) < std::pair(q.box.min.x(), q.id);
   });
-  return all;
-}
-
-/// Driven walls and straining cells: neighbours are those of the step.
-void Seams::follow(const World& world) {
-  const auto moves = [&](const Wall& w) {
-    return !world.velocity[w.slot].isZero(0.0) || (world.rotates() && !world.angular_velocity[w.slot].isZero(0.0));
-  };
-  const bool strains = world.cell && !world.cell->strain_rate.isZero(0.0);
-  moved_ = moved_ || (strains && !walls_.empty()) || std::ranges::any_of(walls_, moves);
-  if (moved_) find_neighbours(world);
 }
 
 void Seams::hide(const World& world, ContactSet& contacts) {
-  follow(world);
-  if (!touching_ && !solids_) return;
-  candidates_.clear();
-  const auto may_be_wall = [&](Slot s) { return solids_ || (s < wall_of_slot_.size() && wall_of_slot_[s] != no_wall); };
+  if (!joins_ && !solids_) return;
+  list_groups(world, contacts);
+  deepest_.assign(world.size(), 0.0);
   for (std::size_t i = 0; i < contacts.size(); ++i)
-    for (const bool wall_is_b : {true, false})
-      if (may_be_wall(wall_is_b ? contacts.b[i] : contacts.a[i])) consider(world, contacts, i, wall_is_b);
+    for (const Slot s : {contacts.a[i], contacts.b[i]})
+      if (world.is_movable(s)) deepest_[s] = std::max(deepest_[s], -contacts.gap[i]);
+  candidates_.clear();
+  others_.clear();
+  for (const Group& group : groups_) consider(world, contacts, group);
   if (candidates_.empty()) return;
   hidden_.assign(contacts.size(), 0);
   for (const Candidate& c : candidates_)
@@ -149,11 +100,130 @@ void Seams::hide(const World& world, ContactSet& contacts) {
   take_out(contacts, hidden_);
 }
 
-void Seams::consider(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b) {
-  const Slot wall = wall_is_b ? contacts.b[i] : contacts.a[i];
-  if (neighbours_of(wall).empty() && !(solids_ && part_count(shapes_, shape_of(world, wall)) > 1)) return;
-  const Candidate c = candidate(world, contacts, i, wall_is_b);
-  if (c.on_wall && has_other_near(c)) candidates_.push_back(c);
+void Seams::list_groups(const World& world, const ContactSet& contacts) {
+  groups_.clear();
+  of_body_.begin.assign(world.size() + 1, 0);
+  for (std::size_t begin = 0, end = 0; begin < contacts.size(); begin = end) {
+    end = end_of_group(contacts, begin);
+    const Slot a = contacts.a[begin], b = contacts.b[begin];
+    if (flat_[a] == 0 && flat_[b] == 0) continue;
+    groups_.push_back({begin, end, a, b});
+  }
+  of_body_.fill([&](auto&& f) {
+    for (std::uint32_t k = 0; k < groups_.size(); ++k) {
+      f(groups_[k].a, k);
+      f(groups_[k].b, k);
+    }
+  });
+}
+
+/// The contacts of two bodies, either of which may be a wall to the other.
+void Seams::consider(const World& world, const ContactSet& contacts, const Group& group) {
+  struct Side {
+    bool wall_is_b, parts = false;
+    std::size_t first = 0, last = 0;
+  } sides[] = {{true}, {false}};
+  for (Side& side : sides) {
+    const Slot wall = group.of(side.wall_is_b);
+    if (flat_[wall] == 0) continue;
+    side.first = others_.size();
+    if (joins_) list_others(world, contacts, group, side.wall_is_b);
+    side.last = others_.size();
+    side.parts = solids_ && part_count(shapes_, shape_of(world, wall)) > 1;
+  }
+  for (std::size_t i = group.begin; i < group.end; ++i)
+    for (const Side& side : sides) {
+      if (!side.parts &&
+          !may_be_near(world, contacts, i, side.wall_is_b, {others_.begin() + side.first, others_.begin() + side.last}))
+        continue;
+      Candidate c = candidate(world, contacts, i, side.wall_is_b);
+      c.group = group;
+      c.first_other = side.first;
+      c.last_other = side.last;
+      if (c.on_wall && has_other_near(c)) candidates_.push_back(c);
+    }
+}
+
+/// Cheap: the place of a contact on the wall is farther from where it was found than the gap by no more than `level`.
+bool Seams::may_be_near(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b,
+                        std::span<const Other> others) const {
+  if (others.empty()) return false;
+  const Vec3 at = point_on(world, contacts, i, wall_is_b);
+  const double off = std::abs(contacts.gap[i]);
+  return std::ranges::any_of(others,
+                             [&](const Other& o) { return !o.free || is_on(shapes_, o.piece, at, o.level + off); });
+}
+
+bool Seams::has_other_near(const Candidate& c) const {
+  if (c.piece.part != WallPiece::whole) return true;
+  return std::ranges::any_of(others_of(c), [&](const Other& o) {
+    return o.free ? is_on(shapes_, o.piece, c.point, o.level) : o.box.overlaps(Aabb{c.point, c.point}.fattened(c.near));
+  });
+}
+
+/// The body's other contacts say with whom; of a body with many, as a floor, those near the wall are fewer.
+void Seams::list_others(const World& world, const ContactSet& contacts, const Group& group, bool wall_is_b) {
+  const Slot wall = group.of(wall_is_b), body = group.of(!wall_is_b);
+  const auto groups = of_body_.at(body);
+  if (!world.is_movable(wall) || groups.size() <= 4 * near_.at(wall).size()) {
+    for (const std::uint32_t k : groups)
+      if (&groups_[k] != &group) add_other(world, contacts, group, wall_is_b, groups_[k]);
+    return;
+  }
+  for (const Slot slot : near_.at(wall)) {
+    const std::pair pair = world.id[slot] < world.id[body] ? std::pair(slot, body) : std::pair(body, slot);
+    auto held = std::ranges::lower_bound(groups_, pair, {}, [](const Group& g) { return std::pair(g.a, g.b); });
+    for (; held != groups_.end() && std::pair(held->a, held->b) == pair; ++held)
+      if (&*held != &group) add_other(world, contacts, group, wall_is_b, *held);
+  }
+}
+
+/// Where the two touch, and stand still against each other if one is free: slower than a tenth of the body's speed or
+/// than a fall through what counts as level.
+void Seams::add_other(const World& world, const ContactSet& contacts, const Group& group, bool wall_is_b,
+                      const Group& held) {
+  const Slot wall = group.of(wall_is_b), body = group.of(!wall_is_b);
+  const bool held_is_b = held.a == body;
+  const Slot slot = held.of(held_is_b);
+  const bool free = world.is_movable(wall) || world.is_movable(slot);
+  if (flat_[slot] == 0 || (free && !world.owner.empty())) return;  // elsewhere, not all contacts of both are known
+  Vec3 shift = Vec3::Zero();
+  if (world.cell)
+    shift = centre_of_body(world, contacts, group.begin, wall_is_b) -
+            centre_of_body(world, contacts, held.begin, held_is_b);
+  const Vec3 place = world.position[slot] + shift;
+  double level = near_of(wall, body);
+  if (free)
+    level += std::abs(deepest_[wall] - deepest_[slot]) + std::max(depth_of(contacts, group), depth_of(contacts, held));
+  const auto is_near = [&](std::size_t i) {
+    const double reach = radius_[slot] + level + std::abs(contacts.gap[i]);
+    return (point_on(world, contacts, i, wall_is_b) - place).squaredNorm() <= reach * reach;
+  };
+  std::size_t i = group.begin;
+  while (i < group.end && !is_near(i)) ++i;
+  if (i == group.end) return;
+  if (free) {
+    const Vec3 point = point_on(world, contacts, i, wall_is_b);
+    const Vec3 of_wall = velocity_at(world, wall, point - world.position[wall]);
+    const double apart = (velocity_at(world, slot, point - place) - of_wall).squaredNorm();
+    const Vec3 centre = centre_of_body(world, contacts, i, wall_is_b);
+    const double pace = (velocity_at(world, body, point - centre) - of_wall).squaredNorm();
+    if (apart > 0.01 * pace + world.gravity.norm() * level) return;
+  }
+  Other other{slot, world.id[slot], {shape_of(world, slot), world.pose(slot)}, shift, held, level, free};
+  other.piece.pose.position = place;
+  if (!free) other.box = shapes_.bounding_box(other.piece.shape, other.piece.pose);
+  others_.push_back(other);
+}
+
+double Seams::depth_of(const ContactSet& contacts, const Group& group) {
+  double deepest = 0.0;
+  for (std::size_t k = group.begin; k < group.end; ++k) deepest = std::max(deepest, -contacts.gap[k]);
+  return deepest;
+}
+
+double Seams::near_of(Slot wall, Slot body) const {
+  return tolerance * (std::isfinite(radius_[body]) ? radius_[body] : radius_[wall]);
 }
 
 /// Contact points lie on one of the surfaces or half way between them: the outermost place that is on the wall counts.
@@ -161,8 +231,7 @@ Seams::Candidate Seams::candidate(const World& world, const ContactSet& contacts
   const Slot wall = wall_is_b ? contacts.b[i] : contacts.a[i], body = wall_is_b ? contacts.a[i] : contacts.b[i];
   const ShapeRef shape = shape_of(world, wall);
   Candidate c{i, wall_is_b, wall, body, world.id[wall], {shape, world.pose(wall)}};
-  c.near = tolerance * shapes_.bounding_radius(shape_of(world, body));
-  if (!std::isfinite(c.near)) c.near = tolerance * shapes_.bounding_radius(shape);
+  c.near = near_of(wall, body);
   c.normal = wall_is_b ? Vec3(-contacts.normal[i]) : contacts.normal[i];
   const Vec3 at = world.position[wall] + (wall_is_b ? contacts.arm_b(i, world) : contacts.arm[i]);
   const double out = std::max(0.0, -contacts.gap[i]), in = std::min(0.0, -contacts.gap[i]);
@@ -206,30 +275,22 @@ bool Seams::comes_first(const Candidate& c, const Other& other) {
 }
 
 /// As the wall sees it: beside the wall, or beside its image that the contact is with, put back.
-Vec3 Seams::centre_of_body(const World& world, const ContactSet& contacts, const Candidate& c) {
-  const Vec3 branch = world.branch(contacts.a[c.contact], contacts.b[c.contact], contacts.feature[c.contact]);
-  return world.position[c.wall] + (c.wall_is_b ? Vec3(-branch) : branch);
-}
-
-bool Seams::has_other_near(const Candidate& c) const {
-  if (c.piece.part != WallPiece::whole) return true;
-  const Aabb at = Aabb{c.point, c.point}.fattened(c.near);
-  return std::ranges::any_of(neighbours_of(c.wall), [&](const Neighbour& n) { return n.box.overlaps(at); });
+Vec3 Seams::centre_of_body(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b) {
+  const Vec3 branch = world.branch(contacts.a[i], contacts.b[i], contacts.feature[i]);
+  return wall_is_b ? Vec3(world.position[contacts.b[i]] - branch) : Vec3(world.position[contacts.a[i]] + branch);
 }
 
 bool Seams::is_hidden(const World& world, const ContactSet& contacts, const Candidate& c) const {
   const auto hides = [&](const Other& other) {
-    return is_on(shapes_, other.piece, c.point, c.near) && holds_instead(world, contacts, c, other);
+    return is_on(shapes_, other.piece, c.point, other.level) && holds_instead(world, contacts, c, other);
   };
   const std::size_t parts = c.piece.part == WallPiece::whole ? 0 : part_count(shapes_, c.piece.shape);
   if (parts > 0 && is_given_before(contacts, c)) return true;
   for (std::size_t part = 0; part < parts; ++part)
-    if (part != c.piece.part && hides({c.wall, c.id, {c.piece.shape, c.piece.pose, part}, Vec3::Zero()})) return true;
-  return std::ranges::any_of(neighbours_of(c.wall), [&](const Neighbour& n) {
-    Other other{n.slot, n.id, {shape_of(world, n.slot), world.pose(n.slot)}, n.shift};
-    other.piece.pose.position += n.shift;
-    return hides(other);
-  });
+    if (part != c.piece.part &&
+        hides({c.wall, c.id, {c.piece.shape, c.piece.pose, part}, Vec3::Zero(), c.group, c.near}))
+      return true;
+  return std::ranges::any_of(others_of(c), hides);
 }
 
 /// Two parts give the same point with the same normal.
@@ -243,21 +304,19 @@ bool Seams::is_given_before(const ContactSet& contacts, const Candidate& c) cons
 }
 
 /// One of the body's contacts with the other wall has a normal of the union at the point, and the wall in question
-/// gives another one there, or the same once more.
+/// gives another one there, or the same once more. Of free neighbours each has what lies flat on it: their loads
+/// differ.
 bool Seams::holds_instead(const World& world, const ContactSet& contacts, const Candidate& c,
                           const Other& other) const {
-  const bool beyond = goes_beyond(shapes_, other.piece, c.point, c.normal, c.near);
-  if (!beyond && comes_first(c, other)) return false;
-  const Vec3 centre = centre_of_body(world, contacts, c);
-  const auto [begin, end] = pair_range(world, contacts, other.wall, c.body);
-  double deepest = 0.0;  // the body may lean: where it has the wall it is not as deep as at the point
-  for (std::size_t k = begin; k < end; ++k) deepest = std::max(deepest, -contacts.gap[k]);
-  const double deep = c.near + deepest;
+  const bool beyond = goes_beyond(shapes_, other.piece, c.point, c.normal, other.level);
+  if (!beyond && (comes_first(c, other) || (other.free && flat_[c.body] != 0))) return false;
+  const std::size_t begin = other.held.begin, end = other.held.end;
+  // the body may lean: where it has the wall it is not as deep as at the point
+  const double deep = other.level + depth_of(contacts, other.held);
   for (std::size_t k = begin; k < end; ++k) {
     if (k == c.contact || hidden_[k] != 0) continue;
     const Candidate held = candidate(world, contacts, k, contacts.b[k] == other.wall);
     if (other.piece.part != WallPiece::whole && held.piece.part != other.piece.part) continue;
-    if ((centre_of_body(world, contacts, held) + other.shift - centre).norm() > c.near) continue;  // of another image
     if (!beyond && same_direction(held.normal, c.normal) && (held.point + other.shift - c.point).norm() <= deep)
       return true;
     // several points: the body lies on it, and may lean; at the wall's edges too its side says the normal

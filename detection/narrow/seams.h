@@ -1,14 +1,18 @@
-/// @file seams.h  Walls that touch act as one surface: contacts that only one of them would give are taken out.
-/// Where walls (fixed or driven bodies) share a point p, a normal n of one of them is a normal of their union only if
-/// no other goes on beyond the plane through p: the normal cone of a union is the intersection of the normal cones
-/// (Rockafellar and Wets 1998, section 6). So the edge of the second of two level tiles does not stop a body that
-/// slides over it, while a ridge of two roofs holds it. A contact goes only where the neighbour holds the body by a
-/// normal of the union at that point: in the corner of floor and wall, which has none, both stand. Of two walls with
-/// the same normal at the same point the one of lower id keeps the contact. In a periodic cell a wall that is as wide
-/// as the cell touches its own images. The convex parts of a solid, free or fixed, are one surface in the same way.
-/// Limits: free bodies are not joined to others; of closed meshes only the surface counts, not what it encloses; what a
-/// contact remembers (friction, plastic history) ends with its wall.
+/// @file seams.h  Bodies that touch act as one surface: contacts that only one of them would give are taken out.
+/// Where walls share a point p, a normal n of one of them is a normal of their union only if no other goes on beyond
+/// the plane through p: the normal cone of a union is the intersection of the normal cones (Rockafellar and Wets 1998,
+/// section 6). So the edge of the second of two level tiles does not stop a body that slides over it, while a ridge of
+/// two roofs holds it. A contact goes only where the neighbour holds the body by a normal of the union at that point:
+/// in the corner of floor and wall, which has none, both stand. Of two walls with the same normal at the same point the
+/// one of lower id keeps the contact. Walls are fixed or driven bodies, and free ones that stand still against each
+/// other (tiles on a floor, stones of an arch): those may differ in level by as much as one is pressed deeper than the
+/// other. In a periodic cell a wall that is as wide as the cell touches its own images. The convex parts of a solid,
+/// free or fixed, are one surface in the same way. Limits: of closed meshes only the surface counts, not what it
+/// encloses; what a contact remembers (friction, plastic history) ends with its wall; over several processes free
+/// bodies are not joined to others.
 #pragma once
+#include <algorithm>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -26,23 +30,35 @@ class Seams {
   /// `shapes` must outlive this.
   explicit Seams(const ShapeStore& shapes) : shapes_(shapes) {}
 
-  /// Finds the walls with flat faces whose boxes touch; whenever slots have other bodies.
-  void find(const World& world);
+  /// Which bodies have flat faces, and which of them are near each other; whenever the list is new.
+  void find(const World& world, const PairList& list);
   /// Takes out what is no contact of the union; the others keep their order. Of contacts as the narrow phase joins
   /// them: without forces and areas.
   void hide(const World& world, ContactSet& contacts);
 
  private:
-  /// A wall or an image of one, the same wall's too, whose box touches.
-  struct Neighbour {
-    Slot slot;
-    BodyId id;
-    Vec3 shift;  ///< of the image [m]; zero: the wall itself
-    Aabb box;
+  /// Contacts of two bodies, one image of them.
+  struct Group {
+    std::size_t begin, end;
+    Slot a, b;
+    Slot of(bool is_b) const { return is_b ? b : a; }
   };
-  struct Wall {
-    Slot slot;
-    std::vector<Neighbour> neighbours;
+  /// Numbers by slot.
+  struct Lists {
+    std::vector<std::uint32_t> begin, entries;
+    std::span<const std::uint32_t> at(Slot s) const {
+      return std::span(entries).subspan(begin[s], begin[s + 1] - begin[s]);
+    }
+    /// each(f) calls f(slot, number), the same ones each time; `begin` has an entry more than there are slots, all 0.
+    template <class Each>
+    void fill(const Each& each) {
+      each([&](Slot s, std::uint32_t) { ++begin[s + 1]; });
+      std::partial_sum(begin.begin(), begin.end(), begin.begin());
+      entries.resize(begin.back());
+      each([&](Slot s, std::uint32_t number) { entries[begin[s]++] = number; });
+      std::rotate(begin.begin(), begin.end() - 1, begin.end());
+      begin.front() = 0;
+    }
   };
   /// A contact at which a neighbour, or another part of the same solid, may go on.
   struct Candidate {
@@ -55,39 +71,55 @@ class Seams {
     Vec3 normal = Vec3::Zero();  ///< out of it
     double near = 0.0;           ///< [m]: closer is touching
     bool on_wall = false;        ///< the point is; else nothing is known
+    Group group{};               ///< of this wall and body
+    std::size_t first_other = 0, last_other = 0;
   };
 
-  /// A neighbour, or another part of the same solid.
+  /// Who may go on at a point: a neighbour, or another part of the same solid.
   struct Other {
     Slot wall;
     BodyId id;
-    WallPiece piece;  ///< where it is, with its shift
-    Vec3 shift;
+    WallPiece piece;     ///< where it is, with its shift
+    Vec3 shift;          ///< of the image [m]; zero: the wall itself
+    Group held;          ///< what the body touches of it
+    double level = 0.0;  ///< closer is touching, lower is level [m]
+    bool free = false;   ///< it or the wall
+    Aabb box{};          ///< of the piece, where both are held
   };
 
-  std::vector<Neighbour> walls_and_images(const World& world) const;
-  void find_neighbours(const World& world);
-  std::span<const Neighbour> neighbours_of(Slot s) const;
-  void follow(const World& world);
-  void consider(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b);
+  void list_groups(const World& world, const ContactSet& contacts);
+  void consider(const World& world, const ContactSet& contacts, const Group& group);
+  bool may_be_near(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b,
+                   std::span<const Other> others) const;
+  bool has_other_near(const Candidate& c) const;
+  std::span<const Other> others_of(const Candidate& c) const {
+    return std::span(others_).subspan(c.first_other, c.last_other - c.first_other);
+  }
+  void list_others(const World& world, const ContactSet& contacts, const Group& group, bool wall_is_b);
+  void add_other(const World& world, const ContactSet& contacts, const Group& group, bool wall_is_b, const Group& held);
+  static double depth_of(const ContactSet& contacts, const Group& group);
+  double near_of(Slot wall, Slot body) const;
   Candidate candidate(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b) const;
   WallPiece piece_at(const Candidate& c, const Vec3& point) const;
   bool is_given_before(const ContactSet& contacts, const Candidate& c) const;
-  bool has_other_near(const Candidate& c) const;
   bool is_hidden(const World& world, const ContactSet& contacts, const Candidate& c) const;
   bool holds_instead(const World& world, const ContactSet& contacts, const Candidate& c, const Other& other) const;
   static bool comes_first(const Candidate& c, const Other& other);
-  static Vec3 centre_of_body(const World& world, const ContactSet& contacts, const Candidate& c);
+  static Vec3 centre_of_body(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b);
   void decide_faces(const World& world, ContactSet& contacts);
 
   const ShapeStore& shapes_;
-  std::vector<Wall> walls_;                  ///< ascending slots
-  bool moved_ = false;                       ///< some wall, since: boxes and neighbours are those of the step
-  std::vector<std::uint32_t> wall_of_slot_;  ///< place in walls_, or no_wall; empty without walls
-  bool solids_ = false;                      ///< some shape has parts
-  bool touching_ = false;                    ///< some wall has a neighbour
-  std::vector<Candidate> candidates_;        ///< in the order of the contacts
-  std::vector<std::uint8_t> hidden_;         ///< by contact
+  bool solids_ = false;                ///< some shape has parts
+  bool joins_ = false;                 ///< there are bodies with flat faces that may touch
+  std::vector<std::uint8_t> flat_;     ///< by slot: has flat faces
+  std::vector<double> radius_;         ///< by slot: of the bounding sphere [m]
+  std::vector<double> deepest_;        ///< by slot: overlap of the contacts of free bodies [m]
+  Lists near_;                         ///< of free bodies: others near in the list, with flat faces
+  Lists of_body_;                      ///< places in groups_
+  std::vector<Group> groups_;          ///< with a body of flat faces, in the order of the contacts
+  std::vector<Candidate> candidates_;  ///< in the order of the contacts
+  std::vector<Other> others_;          ///< of the candidates
+  std::vector<std::uint8_t> hidden_;   ///< by contact
 };
 
 }  // namespace epafi
