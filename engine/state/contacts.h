@@ -23,15 +23,17 @@ struct Pair {
 
 using PairColumn = UnwrittenColumn<Pair>;
 
-/// Pairs that a contact model detects itself, of free spheres and of free spheres with fixed half-spaces, by the lower
-/// slot; of a half-space by that of its sphere.
+/// Pairs that a contact model detects itself, of spheres and of spheres with fixed half-spaces, by places: first come
+/// the balls of clumps and of held bodies (engine/state/body_ball.h), behind them by slot all bodies, of which the free
+/// spheres are meant. A pair stands at its lower place, that of a half-space at its sphere's. Without balls a place is
+/// a slot.
 struct SpherePairs {
   static constexpr Slot plane = Slot{1} << 31;  ///< a partner with this bit is a place in `planes`
 
-  std::vector<std::uint32_t> first;      ///< by slot: its first partner, those of the next slot follow
-  UnwrittenColumn<Slot> partner;         ///< ascending, of a pair of spheres the higher slot
-  UnwrittenColumn<std::uint32_t> image;  ///< beside them, as Pair::image from the lower slot; without a cell empty
-  std::vector<Slot> planes;              ///< the half-spaces, ascending
+  std::vector<std::uint32_t> first;      ///< by place: its first partner, those of the next place follow
+  UnwrittenColumn<Slot> partner;         ///< ascending, of a pair of spheres the higher place
+  UnwrittenColumn<std::uint32_t> image;  ///< beside them, as Pair::image from the lower place; without a cell empty
+  std::vector<Slot> planes;              ///< slots of the half-spaces, ascending
 
   std::size_t size() const { return partner.size(); }
 };

@@ -4,12 +4,11 @@
 
 namespace epafi {
 
-SinCos sin_cos(double x) {
-  // pi/2 in two parts, the first exact times small integers (Cody and Waite 1980)
-  constexpr double two_over_pi = 0.63661977236758138, high = 1.57079632673412561417e+00,
-                   low = 6.07710050650619224932e-11;
-  const double k = std::nearbyint(x * two_over_pi);
-  const double r = (x - k * high) - k * low, z = r * r;
+namespace {
+/// Of |r| <= pi/4.
+SinCos sin_cos_near_zero(double r) {
+  const double z = r * r;
+  if (z < 1e-16) return {r, 1.0};  // what the series gives: all terms behind the first are lost in rounding
   // Taylor series: at |r| <= pi/4 the first term left out is below 1e-18
   double s = 0.0, c = 0.0;
   constexpr std::array<double, 8> odd{1.0,          -1.0 / 6,        1.0 / 120,          -1.0 / 5040,
@@ -25,7 +24,17 @@ SinCos sin_cos(double x) {
                                        1.0 / 20922789888000.0};
   for (std::size_t i = odd.size(); i-- > 0;) s = s * z + odd[i];
   for (std::size_t i = even.size(); i-- > 0;) c = c * z + even[i];
-  s *= r;
+  return {s * r, c};
+}
+}  // namespace
+
+SinCos sin_cos(double x) {
+  if (std::abs(x) < 0.75) return sin_cos_near_zero(x);  // to which the reduction would take nothing off
+  // pi/2 in two parts, the first exact times small integers (Cody and Waite 1980)
+  constexpr double two_over_pi = 0.63661977236758138, high = 1.57079632673412561417e+00,
+                   low = 6.07710050650619224932e-11;
+  const double k = std::nearbyint(x * two_over_pi);
+  const auto [s, c] = sin_cos_near_zero((x - k * high) - k * low);
   const auto quadrant = static_cast<long long>(k) & 3;
   if (quadrant == 0) return {s, c};
   if (quadrant == 1) return {c, -s};
@@ -61,7 +70,8 @@ Quat turned_far(const Quat& q, const Vec3& angle) {
   return (step * q).normalized();
 }
 
-void rotate_freely(Quat& q, const Vec3& angular_momentum, const Vec3& inverse_inertia, double dt) {
+/// Flattened: Eigen's products stay calls otherwise.
+[[gnu::flatten]] void rotate_freely(Quat& q, const Vec3& angular_momentum, const Vec3& inverse_inertia, double dt) {
   // H = |L|^2 v_mid / 2 + sum_k L_k^2 (v_k - v_mid) / 2: the first part turns the body about L in space and commutes
   // with the rest
   const Vec3& v = inverse_inertia;

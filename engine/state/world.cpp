@@ -48,7 +48,8 @@ void World::each_column(F&& f) {
     f("world/inverse_moment", inverse_moment);
 }
 
-Vec3 World::apply_inverse_inertia_at(Slot s, const Vec3& x) const {
+/// Flattened: Eigen's products stay calls otherwise, twice a step and body.
+[[gnu::flatten]] Vec3 World::apply_inverse_inertia_at(Slot s, const Vec3& x) const {
   const Vec3& i = inverse_inertia[s];
   const Mat3 r = orientation[s].toRotationMatrix();
   return r * i.cwiseProduct(r.transpose() * x);

@@ -291,3 +291,32 @@ TEST_CASE("position, velocity and spin lie in the body's state, and room for mor
   for (const Vec3& x : world.position) seen += x == alone[seen] ? 1 : 0;
   CHECK(seen == 30);
 }
+
+TEST_CASE("states before those of the bodies leave bodies as they are, also when these come, leave and are sorted",
+          "[engine][world]") {
+  World world({.rotation = true, .anisotropy = true, .states = true}), alone = World(world.columns());
+  const auto same = [&] {
+    CHECK(consistent(world));
+    CHECK(state_hash(world) == state_hash(alone));
+    CHECK(world.states().size() == world.size());
+    CHECK(&world.position[0] == reinterpret_cast<const Vec3*>(&world.states()[0].position));
+    CHECK(std::isnan(world.states().data()[world.size()].position[3]));  // behind the last: nowhere
+  };
+  const auto both = [&](const auto& change) {
+    change(world);
+    change(alone);
+  };
+  for (int k = 0; k < 20; ++k) both([&](World& w) { w.add(numbered(k)); });
+  for (const std::size_t before : {7, 0, 30, 11}) {
+    world.set_states_before(before);
+    CHECK(world.states_before() == before);
+    same();
+    for (std::size_t k = 0; k < before; ++k) (world.states().data() - before + k)->position = lanes(1e3);
+    both([&](World& w) { w.add(numbered(static_cast<int>(w.ids_given()))); });
+    same();
+    both([&](World& w) { w.remove(std::vector<BodyId>{w.id[3]}); });
+    both([](World& w) { w.reorder(morton_order(w)); });
+    same();
+    if (before > 0) CHECK((world.states().data() - 1)->position[0] == 1e3);
+  }
+}

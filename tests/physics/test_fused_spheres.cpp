@@ -229,6 +229,7 @@ SceneRun with_blocks(const Case& c, std::size_t block_size) {
   Assembly& a = *run.assembly;
   auto model = make_fused_spheres(smooth_setup(a.scene), a.plan.reach, block_size);
   SphereRoles roles{true};
+  roles.held = a.plan.fused_held;
   for (const auto& b : a.scene.bodies) roles.fixed.push_back(b.fixed);
   auto others = std::make_unique<BatchNarrowPhase>(*a.shapes, a.plan.reach, a.plan.needs.curvature);
   Pipeline& stages = a.simulation->pipeline;

@@ -38,7 +38,7 @@ void BallBodies::each_in(std::size_t begin, std::size_t end, const F& f) const {
       f(*w, all == &free_);
 }
 
-void BallBodies::place_one(World& world, const Whole& whole, double lag, Lanes* late_spins) {
+[[gnu::flatten]] void BallBodies::place_one(World& world, const Whole& whole, double lag, Lanes* late_spins) {
   const Slot s = whole.body;
   const BodyState& body = world.states()[s];
   BodyState* const states = world.states().data() - world.states_before();
@@ -79,7 +79,8 @@ void BallBodies::place_all(World& world, double lag, Lanes* late_spins) {
   placed_ = true;
 }
 
-void BallBodies::collect(const World& world, SphereSum* sums, Lanes* moments, std::size_t begin, std::size_t end) {
+[[gnu::flatten]] void BallBodies::collect(const World& world, SphereSum* sums, Lanes* moments, std::size_t begin,
+                                          std::size_t end) {
   for (std::size_t k = begin; k < end; ++k) {
     SphereSum& sum = sums[k - begin];
     const Vec3 force(sum.first[0], sum.first[1], sum.first[2]);

@@ -8,78 +8,14 @@
 #include "engine/state/touched_bodies.h"
 #include "engine/threads/parallel_order.h"
 #include "engine/threads/parallel_wavefront.h"
+#include "laws/smooth/fused/block_task.h"
 #include "laws/smooth/fused/body_pass.h"
 #include "laws/smooth/fused/sphere_contacts.h"
-#include "laws/smooth/fused/sphere_kernel.h"
 #include "laws/smooth/passes/choose_passes.h"
 
 namespace epafi {
 
 namespace {
-
-struct FindCall {
-  SphereBlocks::Block& block;
-  const SphereArrays& arrays;
-};
-
-/// Everything a block needs, so that the loop is compiled once per target.
-template <bool remembers>
-struct BlockTask {
-  explicit BlockTask(const FindCall& call) : block(call.block), arrays(call.arrays) {}
-  SphereBlocks::Block& block;
-  const SphereArrays& arrays;
-
-  template <int n>
-  EPAFI_LANES void run() const {
-    SphereTotals<n> total;
-    SphereSprings::Places places;
-    if (remembers && !(arrays.dt > 0.0)) {
-      thread_local std::vector<std::uint32_t> from;
-      begin_contacts(block, arrays, from);
-      block.springs.choose(from);
-    }
-    if constexpr (remembers) places = block.springs.begin_step();
-    for (const SphereBlocks::Run& run : block.runs) sweep<n>(run, total, places);
-    if (remembers && arrays.dt > 0.0) block.springs.end_step(places);
-    block.deepest = block.deepest_relative = 0.0;
-    for (int l = 0; l < n; ++l) {
-      block.deepest = std::max(block.deepest, double{total.deepest[l]});
-      block.deepest_relative = std::max(block.deepest_relative, double{total.deepest_relative[l]});
-    }
-    block.touching = total.touching;
-    block.viscous = total.viscous.total();
-    block.lost = total.lost.total();
-    if (arrays.tells_energy) block.elastic = total.elastic.total() + 0.5 * total.twice_stored.total();
-    block.slipped = 0.5 * total.twice_slipped.total() + total.released;
-    if (!block.images.empty()) block.virial = total.virial.sums();
-  }
-
- private:
-  template <int n>
-  EPAFI_LANES void sweep(const SphereBlocks::Run& run, SphereTotals<n>& total, SphereSprings::Places& places) const {
-    const bool periodic = !block.images.empty();
-    if (run.plane >= 0)  // a plane has no image
-      sweep<n, true, false, false>(run, total, places);
-    else if (periodic && run.across)
-      sweep<n, false, true, true>(run, total, places);
-    else if (periodic)
-      sweep<n, false, false, true>(run, total, places);
-    else if (run.across)
-      sweep<n, false, true, false>(run, total, places);
-    else
-      sweep<n, false, false, false>(run, total, places);
-  }
-  /// Each kind of run is a function of its own.
-  template <int n, bool wall, bool across, bool periodic>
-  EPAFI_LANES void sweep(const SphereBlocks::Run& run, SphereTotals<n>& total, SphereSprings::Places& places) const {
-    run_apart<n>(SphereSweep<n, remembers, wall, across, periodic>{block, run, arrays, total, places});
-  }
-};
-
-template <bool remembers>
-auto find_loop() {
-  return best_loop<BlockTask<remembers>, FindCall>();
-}
 
 /// Free spheres and all others.
 class FusedModel final : public FusedSpheres {

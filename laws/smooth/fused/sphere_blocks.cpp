@@ -95,7 +95,9 @@ constexpr std::size_t most_ordered = 16;
 void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   const SpherePairs& pairs = list.pairs;
   EPAFI_REQUIRE(world.size() + list.balls.size() < most_bodies, "the loop over spheres addresses 67 million bodies");
-  EPAFI_REQUIRE(pairs.first.size() > world.size() + list.balls.size(), "pairs are laid out from a list that is there");
+  [[maybe_unused]] const std::size_t places = world.size() + list.balls.size();
+  EPAFI_REQUIRE(pairs.first.size() > places && pairs.first.size() <= places + 2,
+                "pairs are laid out from a list that is there, of these balls");
   if (!std::ranges::equal(list.balls, balls_.all())) {  // places are others
     take_out(planes_);
     grouped_ = false;

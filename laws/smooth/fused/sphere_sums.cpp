@@ -25,14 +25,14 @@ void SphereBlocks::clear_accumulator(std::size_t accumulator) {
 
 void SphereBlocks::receive(std::size_t i, std::size_t accumulator) {
   SphereSum* const mine = sums(accumulator);
-  const std::size_t first = begin_of(i);
+  const std::size_t begin = begin_of(i);
   const auto& sources = blocks_[i].sources;
   for (auto source = sources.rbegin(); source != sources.rend(); ++source) {
     const Block& from = blocks_[*source];
     const auto target = target_of(from, i);
     for (std::uint32_t k = target == from.targets.begin() ? 0 : std::prev(target)->records_end; k < target->records_end;
          ++k) {
-      const std::size_t slot = from.record_places[k].slot() - first;
+      const std::size_t slot = from.record_places[k].slot() - begin;
       const SphereRecord& found = from.records[k];
       Lanes first;
       std::memcpy(&first, found.first, sizeof first);
