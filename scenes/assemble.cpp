@@ -298,7 +298,7 @@ std::unique_ptr<Assembly> assemble(Scene scene, const AssembleOptions& options) 
   add_removals(*a);
   a->warnings.insert(a->warnings.begin(), builder.warnings().begin(), builder.warnings().end());
   warn_of_distance(*a);
-  warn_of_missing_potential(*a);
+  refuse_missing_potential(*a);
   set_broad_phase(*a);
   const bool held = starts && same_mechanics(a->scene.start->made->assembly->scene, a->scene);
   a->time_step = options.time_step ? *options.time_step

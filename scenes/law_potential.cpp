@@ -1,6 +1,9 @@
 #include "scenes/law_potential.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <numeric>
 
 #include "detection/shapes/rounded_shapes.h"
 #include "scenes/contact_setup.h"
@@ -15,36 +18,52 @@ bool has_flat_sides(std::uint32_t type) {
          type == ShapeStore::type_of<SolidParts>() || type == ShapeStore::type_of<Cylinder>();
 }
 
-/// At least two bodies with flat sides that move, now or when all are poured.
-bool some_may_meet(const Assembly& a) {
-  std::size_t count = 0;
+/// By material: bodies with flat sides that move, now or when all are poured.
+std::vector<std::size_t> count_flat_sided(const Assembly& a) {
+  std::vector<std::size_t> count(a.scene.materials.size(), 0);
   const World& world = a.simulation->world;
-  for (Slot s = 0; s < world.size() && count < 2; ++s)
-    count += world.is_movable(s) && has_flat_sides(ShapeRef{world.shape[s]}.type());
+  for (Slot s = 0; s < world.size(); ++s)
+    if (world.is_movable(s) && has_flat_sides(ShapeRef{world.shape[s]}.type())) ++count[world.material[s]];
   for (const PourBodies* source : a.sources)
-    for (const auto& b : source->setup().bodies) count += has_flat_sides(ShapeRef{b.body.shape}.type());
-  return count > 1;
+    for (const auto& b : source->setup().bodies)
+      if (has_flat_sides(ShapeRef{b.body.shape}.type())) ++count[b.body.material];
+  return count;
+}
+
+/// Where the restitution of a pair of materials stands; i <= j.
+Place place_of_restitution(const Scene& scene, std::size_t i, std::size_t j) {
+  for (const PairSpec& p : scene.contact.pairs)
+    if (p.restitution && p.a == i && p.b == j) return p.place;
+  const ContactSettings& c = scene.contact;
+  return c.restitution.place.line > 0 ? c.restitution.place : c.method.place;
 }
 
 }  // namespace
 
 std::string way_to_a_potential(const Assembly& a) {
-  if (a.scene.contact.method.value != Method::smooth || a.plan.needs.area || !some_may_meet(a)) return "";
+  if (a.scene.contact.method.value != Method::smooth || a.plan.needs.area) return "";
+  const std::vector<std::size_t> flat = count_flat_sided(a);
+  if (std::accumulate(flat.begin(), flat.end(), std::size_t{0}) < 2) return "";
   return "law '" + a.scene.contact.law.value +
          "' has no potential where polyhedra or cylinders meet each other; write law = \"overlap-volume\" (sharp "
          "polyhedra, boxes and half-spaces) or method = \"nonsmooth\"";
 }
 
-void warn_of_missing_potential(Assembly& a) {
+void refuse_missing_potential(const Assembly& a) {
   const std::string way = way_to_a_potential(a);
   if (way.empty()) return;
+  const std::vector<std::size_t> flat = count_flat_sided(a);
   const MaterialTable table = smooth_setup(a.scene).materials;
-  const bool elastic = std::ranges::any_of(
-      table.pairs, [](const MaterialPair& p) { return p.occurs && p.restitution > nearly_elastic; });
-  if (!elastic) return;
-  const ContactSettings& c = a.scene.contact;
-  a.warnings.push_back({Problem::Level::warning, c.law.place.line > 0 ? c.law.place : c.method.place,
-                        "elastic bodies may gain or lose a tenth of their energy in a second: " + way});
+  for (std::size_t i = 0; i < flat.size(); ++i)
+    for (std::size_t j = i; j < flat.size(); ++j) {
+      const double e = table.pairs[i * table.materials + j].restitution;
+      const bool meet = i == j ? flat[i] > 1 : flat[i] > 0 && flat[j] > 0;
+      if (!meet || !(e > nearly_elastic)) continue;
+      throw SceneError(fmt::format("restitution = {:g}: such bodies would gain or lose a tenth of their energy in a "
+                                   "second; {}; or restitution = {:g} or less, whose losses are larger than the error",
+                                   e, way, nearly_elastic),
+                       place_of_restitution(a.scene, i, j));
+    }
 }
 
 }  // namespace epafi

@@ -11,7 +11,7 @@ namespace epafi {
 /// What to write where the law has no potential between some bodies that move; "" where it has one.
 std::string way_to_a_potential(const Assembly& assembly);
 
-/// Warns where such bodies are nearly elastic, so that no loss hides the error.
-void warn_of_missing_potential(Assembly& assembly);
+/// Throws a SceneError where such bodies are nearly elastic, so that no loss hides the error.
+void refuse_missing_potential(const Assembly& assembly);
 
 }  // namespace epafi

@@ -1,5 +1,7 @@
 // Polyhedra under smooth contact: what the law of overlap volumes keeps of the energy, and what springs at points do
 // not.
+#include <fmt/format.h>
+
 #include "scenes/contact_setup.h"
 #include "scenes/law_potential.h"
 #include "tests/support/catch.h"
@@ -39,31 +41,57 @@ TEST_CASE("the overlap-volume law refuses shapes without sharp faces by name", "
              Catch::Contains("needs sharp polyhedra") && Catch::Contains("not a rounded polyhedron"));
 }
 
-TEST_CASE("elastic bodies with flat sides under a law without a potential are warned of, others are not",
+TEST_CASE("elastic bodies with flat sides under a law without a potential are refused, others are not",
           "[physics][polyhedra][errors]") {
-  const auto warned = [](const std::vector<std::string>& overrides) {
-    const SceneRun run =
-        prepare_scene(std::string(EPAFI_SOURCE_DIR) + "/tests/data/scenes/elastic_polyhedra.toml", overrides);
-    const auto& all = run.assembly->warnings;
-    return std::any_of(all.begin(), all.end(), [](const Problem& p) {
-      return p.text.find(
-                 "has no potential where polyhedra or cylinders meet each other; write law = "
-                 "\"overlap-volume\"") != std::string::npos;
-    });
+  const auto refused = [](const std::vector<std::string>& overrides) {
+    try {
+      prepare_scene(std::string(EPAFI_SOURCE_DIR) + "/tests/data/scenes/elastic_polyhedra.toml", overrides);
+    } catch (const SceneError& error) {
+      CHECK_THAT(error.what(),
+                 Catch::Contains("write law = \"overlap-volume\"") && Catch::Contains("restitution = 0.9"));
+      return true;
+    }
+    return false;
   };
   for (const std::string law : {"hertz", "hertz-mindlin", "tsuji"}) {
     const std::string use = "contact.smooth.law=" + law;
-    CHECK(warned({use}));
-    CHECK_FALSE(warned({use, "contact.restitution=0.5"}));
-    CHECK_FALSE(warned({use, "contact.method=nonsmooth"}));
-    CHECK_FALSE(warned({use, "body.s.fixed=true", "body.s.velocity=[0,0,0]"}));  // nothing that moves meets another
+    CHECK(refused({use}));
+    CHECK_FALSE(refused({use, "contact.restitution=0.9"}));
+    CHECK_FALSE(refused({use, "contact.method=nonsmooth"}));
+    CHECK_FALSE(refused({use, "body.s.fixed=true", "body.s.velocity=[0,0,0]"}));  // nothing that moves meets another
   }
-  CHECK_FALSE(warned({}));
+  CHECK_FALSE(refused({}));
+}
+
+TEST_CASE("an elastic pair of materials is refused only where two such bodies with flat sides may meet",
+          "[physics][polyhedra][errors]") {
+  const std::string head =
+      "[run]\nduration = 0.01\n[material]\na = { density = 1e3, youngs_modulus = 1e7, poissons_ratio = 0.2 }\n"
+      "b = { density = 1e3, youngs_modulus = 1e7, poissons_ratio = 0.2 }\n"
+      "[contact]\nmethod = \"smooth\"\nrestitution = 0.5\nfriction = 0\n";
+  const auto body = [](const std::string& shape, const std::string& material, double x) {
+    return fmt::format("[[body]]\nshape = {{ {} }}\nmaterial = \"{}\"\nposition = [{}, 0, 0]\n", shape, material, x);
+  };
+  const std::string box = "box = { size = [0.1, 0.1, 0.1] }", ball = "sphere = { radius = 0.05 }";
+  const auto refused_at = [&](const std::string& between, const std::string& bodies) {
+    const std::string pair = "[[contact.pair]]\nbetween = " + between + "\nrestitution = 1\n";
+    try {
+      prepare(read_scene_text(head + pair + bodies, "scene.toml", {}, full_registry()));
+    } catch (const SceneError& error) {
+      return error.problems().front().place.line;
+    }
+    return 0;
+  };
+  const std::string boxes = body(box, "a", 0) + body(box, "b", 1);
+  CHECK(refused_at("[\"a\", \"b\"]", boxes) == 10);
+  CHECK(refused_at("[\"a\", \"a\"]", boxes) == 0);
+  CHECK(refused_at("[\"a\", \"a\"]", boxes + body(box, "a", 2)) == 10);
+  CHECK(refused_at("[\"a\", \"b\"]", body(box, "a", 0) + body(box, "a", 2) + body(ball, "b", 1)) == 0);
 }
 
 TEST_CASE("what to write for a potential is known to the watch over the balance", "[physics][polyhedra][errors]") {
   SceneRun run = prepare_scene(std::string(EPAFI_SOURCE_DIR) + "/tests/data/scenes/elastic_polyhedra.toml",
-                               {"contact.smooth.law=hertz"});
+                               {"contact.smooth.law=hertz", "contact.restitution=0.9"});
   CHECK_THAT(way_to_a_potential(*run.assembly), Catch::Contains("law 'hertz' has no potential"));
   SceneRun with_potential =
       prepare_scene(std::string(EPAFI_SOURCE_DIR) + "/tests/data/scenes/elastic_polyhedra.toml", {});
