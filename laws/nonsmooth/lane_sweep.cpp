@@ -9,6 +9,7 @@
 #include "engine/threads/parallel_order.h"
 #include "engine/threads/parallel_stages.h"
 #include "laws/nonsmooth/normal_rule.h"
+#include "laws/nonsmooth/solvers/nsgs.h"
 #include "laws/nonsmooth/solvers/pgs.h"
 #include "laws/nonsmooth/solvers/soft_step.h"
 
@@ -332,6 +333,8 @@ template class LaneSweep<true, SoftRule>;
 template class LaneSweep<false, SoftRule>;
 template class LaneSweep<true, PgsRule>;
 template class LaneSweep<false, PgsRule>;
+template class LaneSweep<true, NsgsRule>;
+template class LaneSweep<false, NsgsRule>;
 template class LaneSweep<true, NormalRule>;
 template class LaneSweep<false, NormalRule>;
 

@@ -117,6 +117,45 @@ TEST_CASE("the exact local solution obeys Signorini and Coulomb, PGS agrees afte
   CHECK((take_off > 100 && stick > 100 && slide > 100));
 }
 
+TEST_CASE("four exact local solutions at a time are those of one, whatever their neighbours", "[laws][nsgs]") {
+  Random random(418, 0);
+  int slide = 0;
+  for (int k = 0; k < 500; ++k) {
+    ContactProblem p;
+    NsgsRule::LaneData data{};
+    Lanes mu{}, r[3] = {}, u[3] = {};
+    std::array<Vec3, 4> expected;
+    for (std::size_t l = 0; l < 4; ++l) {
+      Mat3 root;
+      for (int i = 0; i < 9; ++i) root(i / 3, i % 3) = random.uniform(-1, 1);
+      const bool empty = k % 5 == 0 && l == 2;
+      p.diagonal.push_back(empty ? Mat3(Mat3::Zero()) : Mat3(root * root.transpose() + 0.2 * Mat3::Identity()));
+      NsgsRule::pack(p, l, data, l);
+      if (empty) {
+        expected[l].setZero();
+        continue;
+      }
+      mu[l] = k % 7 == 0 ? 0.0 : random.uniform(0.0, 1.5);
+      const Vec3 q(random.uniform(-1, 0.3), random.uniform(-1, 1), random.uniform(-1, 1));
+      const Vec3 from(random.uniform(0, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+      const Vec3 velocity = p.diagonal[l] * from + q;
+      for (int i = 0; i < 3; ++i) {
+        r[i][l] = from[i];
+        u[i][l] = velocity[i];
+      }
+      expected[l] = NsgsRule::solve(NsgsRule::pack(p.diagonal[l]), mu[l], q);
+      slide += expected[l].x() > 0.0 && (p.diagonal[l] * expected[l] + q).norm() > 1e-12;
+    }
+    NsgsRule{}.update(data, mu, r, u);
+    for (std::size_t l = 0; l < 4; ++l) {
+      const Vec3 found(r[0][l], r[1][l], r[2][l]);
+      CHECK((found - expected[l]).norm() < 1e-11 * (1.0 + expected[l].norm()));
+      CHECK(tangential_norm(found) <= mu[l] * found.x() * (1.0 + 1e-15));
+    }
+  }
+  CHECK(slide > 300);
+}
+
 TEST_CASE("PGS rows find the exact local solution of a contact with friction", "[laws][pgs]") {
   const Mat3 w = (Mat3() << 1.0, 0.2, -0.1, 0.2, 1.5, 0.3, -0.1, 0.3, 0.8).finished();
   for (const Vec3& q : {Vec3(-1, 2, 1), Vec3(-1, 0.1, 0.1), Vec3(0.5, 1, 1)}) {

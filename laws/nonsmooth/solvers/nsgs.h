@@ -4,7 +4,9 @@
 ///   (S + lambda 1) r_T = W_TN q_N / W_NN - q_T,   r_N = -(q_N + W_NT r_T) / W_NN,
 /// and lambda is a root of |r_T| - mu r_N, positive at 0 (outside the cone) and negative for lambda to infinity.
 #pragma once
+#include "engine/lanes/lanes.h"
 #include "laws/nonsmooth/cone.h"
+#include "laws/nonsmooth/contact_problem.h"
 
 namespace epafi {
 
@@ -48,7 +50,85 @@ struct NsgsRule {
                           d.tn2 * n / d.nn + d.s12 * r.y() + d.s22 * r.z()));
   }
 
+  // the same for four contacts
+  static constexpr int rows = 3;
+  struct LaneData {
+    Lanes nn, step_n, tn1, tn2, s11, s22, s12;  ///< step_n: 1/W_NN, 0 where nothing moves
+  };
+  static void pack(const ContactProblem& problem, std::size_t i, LaneData& data, std::size_t lane) {
+    const Data d = pack(problem.diagonal[i]);
+    data.nn[lane] = d.nn;
+    data.step_n[lane] = d.nn > 0.0 ? 1.0 / d.nn : 0.0;
+    data.tn1[lane] = d.tn1;
+    data.tn2[lane] = d.tn2;
+    data.s11[lane] = d.s11;
+    data.s22[lane] = d.s22;
+    data.s12[lane] = d.s12;
+  }
+  EPAFI_LANES void update(const LaneData& d, Lanes mu, Lanes (&r)[3], const Lanes (&u)[3]) const {
+    const Lanes n = d.nn * r[0] + d.tn1 * r[1] + d.tn2 * r[2], n_over = n * d.step_n;
+    const Lanes q = u[0] - n, q_over = q * d.step_n;
+    const LaneMask touches = (q < 0.0) & (d.nn > 0.0), rubs = touches & (mu > 0.0);
+    Slip slip{d, -q_over, {}, {}};
+    slip.b1 = keep<Lanes>(rubs, d.tn1 * q_over - (u[1] - (d.tn1 * n_over + d.s11 * r[1] + d.s12 * r[2])));
+    slip.b2 = keep<Lanes>(rubs, d.tn2 * q_over - (u[2] - (d.tn2 * n_over + d.s12 * r[1] + d.s22 * r[2])));
+    slip.take(Lanes{});
+    const LaneMask slides = rubs & (slip.tangential2() > mu * mu * slip.normal * max(Lanes{}, slip.normal));
+    if (any(slides)) slip.search(mu, slides);
+    r[0] = keep<Lanes>(touches, max(Lanes{}, slip.normal));
+    r[1] = keep<Lanes>(rubs, slip.t1);
+    r[2] = keep<Lanes>(rubs, slip.t2);
+  }
+
  private:
+  /// The impulses of four contacts at one lambda each, and the search for it by Newton's method on
+  /// mu r_N / |r_T| - 1, which without coupling W_TN is nearly linear; halves its bracket where that leads out of it.
+  struct Slip {
+    const LaneData& d;
+    Lanes free_normal, b1, b2;
+    Lanes lambda{}, p{}, s{}, inverse{}, t1{}, t2{}, normal{};
+
+    EPAFI_LANES void take(Lanes at) {
+      lambda = at;
+      p = d.s11 + at;
+      s = d.s22 + at;
+      inverse = 1.0 / (p * s - d.s12 * d.s12);
+      t1 = (s * b1 - d.s12 * b2) * inverse;
+      t2 = (p * b2 - d.s12 * b1) * inverse;
+      normal = free_normal - (d.tn1 * t1 + d.tn2 * t2) * d.step_n;
+    }
+    EPAFI_LANES Lanes tangential2() const { return t1 * t1 + t2 * t2; }
+    /// Lanes that have ended stay as they are, so that none depends on its neighbours.
+    EPAFI_LANES void search(Lanes mu, LaneMask active) {
+      constexpr double rounding = 1e-15, unbounded = 1e300;
+      const LaneMask slides = active;
+      const Lanes scale = max(d.s11 + d.s22, 1e-12 * d.nn);
+      Lanes low{}, high = lanes(unbounded);
+      for (int k = 0; k < 64; ++k) {
+        const Lanes length2 = tangential2(), length = sqrt(length2);
+        const Lanes value = mu * normal / length - 1.0;
+        const Lanes w1 = (s * t1 - d.s12 * t2) * inverse, w2 = (p * t2 - d.s12 * t1) * inverse;
+        const Lanes of_normal = (d.tn1 * w1 + d.tn2 * w2) * d.step_n, of_length = (t1 * w1 + t2 * w2) / length2;
+        const Lanes slope = mu * (of_normal + normal * of_length) / length;
+        active &= max(value, -value) > rounding;
+        low = select(active & (value < 0.0), lambda, low);
+        high = select(active & (value > 0.0), lambda, high);
+        const Lanes newton = lambda - value / slope;
+        const LaneMask leads_on = (slope > 0.0) & (newton > low) & (newton < high);
+        const Lanes halved = select(high < unbounded, 0.5 * (low + high), max(4.0 * lambda, scale));
+        const Lanes next = select(leads_on, newton, halved);
+        active &= max(next - lambda, lambda - next) > rounding * next;
+        if (!any(active)) break;
+        take(select(active, next, lambda));
+      }
+      const Lanes radius = mu * max(Lanes{}, normal), length2 = tangential2();
+      const LaneMask beyond = slides & (length2 > radius * radius);
+      const Lanes share = select(beyond, radius / sqrt(length2), lanes(1.0));
+      t1 = share * t1;
+      t2 = share * t2;
+    }
+  };
+
   /// Illinois form of regula falsi (Dowell and Jarratt 1971) to rounding; bisects where it stalls, 100 halvings at
   /// most.
   template <class At, class Excess>
