@@ -179,7 +179,7 @@ void BatchNarrowPhase::collide(const World& world, const PairList& list, Contact
   const bool fresh = !known_ || generation_ != list.generation || pairs_ != n;
   if (fresh) {
     keep_memory();
-    if (seams_) seams_->find(world, list);
+    if (seams_) seams_->find(world);
     blocks_.resize((n + block_size - 1) / block_size);
     generation_ = list.generation;
     pairs_ = n;

@@ -9,6 +9,8 @@ namespace epafi {
 
 namespace {
 
+constexpr std::size_t most_of_free = 64;  // all pairs of them are looked at
+
 ShapeRef shape_of(const World& world, Slot s) { return ShapeRef{world.shape[s]}; }
 
 bool same_bodies(const ContactSet& contacts, std::size_t i, std::size_t k) {
@@ -62,7 +64,7 @@ Vec3 point_on(const World& world, const ContactSet& contacts, std::size_t i, boo
 
 }  // namespace
 
-void Seams::find(const World& world, const PairList& list) {
+void Seams::find(const World& world) {
   const auto& solids = shapes_.of<SolidParts>();
   solids_ = std::ranges::any_of(solids, [](const SolidParts& s) { return s.part_count() > 1; });
   flat_.resize(world.size());
@@ -72,14 +74,6 @@ void Seams::find(const World& world, const PairList& list) {
     radius_[s] = shapes_.bounding_radius(shape_of(world, s));
   }
   joins_ = std::ranges::count(flat_, 1) > (world.cell ? 0 : 1);
-  near_.begin.assign(world.size() + 1, 0);
-  near_.fill([&](auto&& f) {
-    for (const Pair& p : joins_ ? std::span<const Pair>(list.pairs) : std::span<const Pair>()) {
-      if (flat_[p.a] == 0 || flat_[p.b] == 0) continue;
-      if (world.is_movable(p.a)) f(p.a, p.b);
-      if (world.is_movable(p.b)) f(p.b, p.a);
-    }
-  });
 }
 
 void Seams::hide(const World& world, ContactSet& contacts) {
@@ -161,21 +155,12 @@ bool Seams::has_other_near(const Candidate& c) const {
   });
 }
 
-/// The body's other contacts say with whom; of a body with many, as a floor, those near the wall are fewer.
+/// The body's other contacts say with whom. A body that touches many, as a floor, feels free ones one by one.
 void Seams::list_others(const World& world, const ContactSet& contacts, const Group& group, bool wall_is_b) {
-  const Slot wall = group.of(wall_is_b), body = group.of(!wall_is_b);
-  const auto groups = of_body_.at(body);
-  if (!world.is_movable(wall) || groups.size() <= 4 * near_.at(wall).size()) {
-    for (const std::uint32_t k : groups)
-      if (&groups_[k] != &group) add_other(world, contacts, group, wall_is_b, groups_[k]);
-    return;
-  }
-  for (const Slot slot : near_.at(wall)) {
-    const std::pair pair = world.id[slot] < world.id[body] ? std::pair(slot, body) : std::pair(body, slot);
-    auto held = std::ranges::lower_bound(groups_, pair, {}, [](const Group& g) { return std::pair(g.a, g.b); });
-    for (; held != groups_.end() && std::pair(held->a, held->b) == pair; ++held)
-      if (&*held != &group) add_other(world, contacts, group, wall_is_b, *held);
-  }
+  const auto groups = of_body_.at(group.of(!wall_is_b));
+  if (world.is_movable(group.of(wall_is_b)) && groups.size() > most_of_free) return;
+  for (const std::uint32_t k : groups)
+    if (&groups_[k] != &group) add_other(world, contacts, group, wall_is_b, groups_[k]);
 }
 
 /// Where the two touch, and stand still against each other if one is free: slower than a tenth of the body's speed or

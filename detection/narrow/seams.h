@@ -5,11 +5,13 @@
 /// two roofs holds it. A contact goes only where the neighbour holds the body by a normal of the union at that point:
 /// in the corner of floor and wall, which has none, both stand. Of two walls with the same normal at the same point the
 /// one of lower id keeps the contact. Walls are fixed or driven bodies, and free ones that stand still against each
-/// other (tiles on a floor, stones of an arch): those may differ in level by as much as one is pressed deeper than the
-/// other. In a periodic cell a wall that is as wide as the cell touches its own images. The convex parts of a solid,
-/// free or fixed, are one surface in the same way. Limits: of closed meshes only the surface counts, not what it
-/// encloses; what a contact remembers (friction, plastic history) ends with its wall; over several processes free
-/// bodies are not joined to others.
+/// other (tiles on a floor, stones of an arch): those may differ in level by as much as they are pressed in there. In a
+/// periodic cell a wall that is as wide as the cell touches its own images. The convex parts of a solid, free or fixed,
+/// are one surface in the same way.
+///
+/// Limits: of closed meshes only the surface counts, not what it encloses; what a contact remembers (friction, plastic
+/// history) ends with its wall; free bodies are not joined over several processes, nor for a body that touches more
+/// than 64.
 #pragma once
 #include <algorithm>
 #include <numeric>
@@ -30,8 +32,8 @@ class Seams {
   /// `shapes` must outlive this.
   explicit Seams(const ShapeStore& shapes) : shapes_(shapes) {}
 
-  /// Which bodies have flat faces, and which of them are near each other; whenever the list is new.
-  void find(const World& world, const PairList& list);
+  /// Which bodies have flat faces; whenever slots have other bodies.
+  void find(const World& world);
   /// Takes out what is no contact of the union; the others keep their order. Of contacts as the narrow phase joins
   /// them: without forces and areas.
   void hide(const World& world, ContactSet& contacts);
@@ -114,7 +116,6 @@ class Seams {
   std::vector<std::uint8_t> flat_;     ///< by slot: has flat faces
   std::vector<double> radius_;         ///< by slot: of the bounding sphere [m]
   std::vector<double> deepest_;        ///< by slot: overlap of the contacts of free bodies [m]
-  Lists near_;                         ///< of free bodies: others near in the list, with flat faces
   Lists of_body_;                      ///< places in groups_
   std::vector<Group> groups_;          ///< with a body of flat faces, in the order of the contacts
   std::vector<Candidate> candidates_;  ///< in the order of the contacts
