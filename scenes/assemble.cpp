@@ -13,6 +13,7 @@
 #include "scenes/carry_over.h"
 #include "scenes/contact_setup.h"
 #include "scenes/law_potential.h"
+#include "scenes/load_poles.h"
 #include "scenes/periodic_scene.h"
 #include "scenes/placing.h"
 #include "scenes/railway/on_rails.h"
@@ -46,6 +47,7 @@ void add_loads(Assembly& a) {
         {a.id_of(i), b.load->force, b.load->torque, a.elapsed(b.load->since), b.force ? *b.force : Vec3(Vec3::Zero())});
   }
   if (loads.empty() && !a.scene.loose_gravity) return;
+  check_loads(a);
   a.simulation->loads =
       std::make_unique<Loads>(Loads::Gravity{a.scene.loose_gravity, a.scene.gravity, a.elapsed(a.scene.gravity_since)},
                               std::move(loads), a.scene.contact.method.value == Method::smooth);

@@ -10,6 +10,7 @@
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
 #include "scenes/session.h"
+#include "viz_export/files/json_reader.h"
 #include "viz_export/hdf5/stored_run.h"
 
 namespace epafi {
@@ -60,7 +61,48 @@ std::unique_ptr<Assembly> part_of(const std::string& text) {
 
 namespace {
 
+/// Runs in folders of a folder, by name: those of a sweep.
+std::vector<std::filesystem::path> runs_inside(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> runs;
+  std::error_code failure;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, failure))
+    if (std::filesystem::exists(entry.path() / "checkpoint.h5", failure)) runs.push_back(entry.path());
+  std::sort(runs.begin(), runs.end());
+  return runs;
+}
+
+/// Those that have not come to their end, else all.
+std::string which_to_resume(const std::vector<std::filesystem::path>& runs) {
+  constexpr std::size_t most = 8;
+  std::vector<std::string> open, done;
+  for (const auto& run : runs) {
+    const auto summary = run / "summary.json";
+    const bool ended = std::filesystem::exists(summary) && read_json(summary).text("status") == "completed";
+    (ended ? done : open).push_back("'" + run.string() + "'");
+  }
+  const std::vector<std::string>& named = open.empty() ? done : open;
+  std::string text = open.empty() ? "all are complete: " : "not complete: ";
+  for (std::size_t k = 0; k < std::min(most, named.size()); ++k) text += (k > 0 ? ", " : "") + named[k];
+  return named.size() > most ? text + fmt::format(" and {} more", named.size() - most) : text;
+}
+
+}  // namespace
+
+void check_is_run(const std::filesystem::path& run) {
+  std::error_code failure;
+  if (!std::filesystem::is_directory(run, failure) || std::filesystem::exists(run / "checkpoint.h5", failure)) return;
+  const auto runs = runs_inside(run);
+  if (runs.empty()) throw FileError("there is no run in '" + run.string() + "': it has no checkpoint.h5");
+  throw FileError(
+      fmt::format("'{}' is the folder of a sweep, with {} runs; resume one of them ({}), or finish the sweep "
+                  "by `epafi sweep SCENE`",
+                  run.string(), runs.size(), which_to_resume(runs)));
+}
+
+namespace {
+
 std::shared_ptr<MadeRun> with_header(const std::filesystem::path& run) {
+  check_is_run(run);
   const auto file = std::filesystem::is_directory(run) ? run / "checkpoint.h5" : run;
   if (!std::filesystem::exists(file))
     throw FileError("there is no run in '" + run.string() + "': it has no checkpoint.h5");

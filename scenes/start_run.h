@@ -14,6 +14,9 @@ struct MadeRun {
   std::string hash;                    ///< of its state
 };
 
+/// Throws FileError where a folder has no checkpoint; that of a sweep names its runs.
+void check_is_run(const std::filesystem::path& run);
+
 /// run: its folder, or a checkpoint. Throws FileError and SceneError: not there, of another version, its scene is
 /// gone or has changed.
 std::shared_ptr<MadeRun> open_made_run(const std::filesystem::path& run);

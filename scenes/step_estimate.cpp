@@ -57,14 +57,54 @@ double impact_step(const ContactLinks& links, const ExpectedPair& pair, double o
 
 /// Solid spheres with Z contacts of weights w_n and w_t each, neighbours in antiphase: up to two are a chain, 2 Z/m
 /// max(w_n, 7/2 w_t) (case B02: sqrt(m/k)); more are spread over all directions, 2 Z/(3 m) max(w_n + 2 w_t, 5 w_t).
-double packing_step(const ContactLinks& links, const ExpectedPair& pair, double overlap, int coordination) {
-  const double few = std::min(coordination, 2), many = coordination > 2 ? coordination / 3.0 : 0.0;
+double packing_step(const ContactLinks& links, const ExpectedPair& pair, double overlap, double coordination) {
+  const double few = std::min(coordination, 2.0), many = coordination > 2 ? coordination / 3.0 : 0.0;
   return solve_step([&](double dt) {
     const StiffLink l =
         links.link(pair.i, pair.j, with_overlap(pair.at, overlap), sideways / pair.at.effective_mass, 0.0, dt);
     const double chain = std::max(l.along, sideways * l.across);
     const double packed = std::max(l.along + 2.0 * l.across, 5.0 * l.across);
     return 2.0 / pair.mass * std::max(few * chain, many * packed);
+  });
+}
+
+double resting_contacts(double friction, double restitution) {
+  const double isostatic = 4.0 + 2.0 / (1.0 + 30.0 * friction), damped = 1.0 - restitution;
+  return isostatic * (1.1 + 0.4 * damped * damped * damped);
+}
+
+double column_step(const ContactLinks& links, const Column& c) {
+  World world(Columns{.rotation = true, .force = false});
+  Body ball;
+  ball.mass = c.mass;
+  ball.inertia = Vec3::Constant(0.4 * c.mass * c.radius * c.radius);
+  for (std::size_t k = 0; k < c.balls; ++k) world.add(ball);
+  Body plate;  // not free: it gives way by its own mass
+  const BodyId pressing = world.add(plate);
+  const auto add = [&](std::vector<StiffLink>& all, std::size_t below, double force, double dt) {
+    const bool floor = below == c.balls, top = below + 1 == c.balls;
+    const bool wall = floor || top;
+    ExpectedPair pair{c.ball_material, wall ? c.floor_material : c.ball_material, c.mass, {}};
+    pair.at.effective_mass = wall ? c.mass : 0.5 * c.mass;
+    pair.at.effective_radius = wall ? c.radius : 0.5 * c.radius;
+    pair.at.area = std::numbers::pi * pair.at.effective_radius * pair.at.effective_radius;
+    const double overlap = overlap_under(links, pair, force);
+    StiffLink l =
+        links.link(pair.i, pair.j, with_overlap(pair.at, overlap), sideways / pair.at.effective_mass, 0.0, dt);
+    l.a = floor ? no_slot : static_cast<Slot>(below);
+    l.b = floor ? 0 : static_cast<Slot>(below + 1);  // the plate's slot follows that of the last ball
+    l.arm_a = Vec3(0, 0, c.radius);
+    l.arm_b = top && !floor ? Vec3(Vec3::Zero()) : Vec3(0, 0, -c.radius);
+    all.push_back(l);
+  };
+  const std::vector<PressedBody> pressed(c.plate_mass > 0.0 ? 1 : 0, {pressing, Vec3::UnitZ(), c.plate_mass});
+  return solve_step([&](double dt) {
+    std::vector<StiffLink> all;
+    const double n = static_cast<double>(c.balls);
+    add(all, c.balls, c.press + n * c.weight, dt);
+    for (std::size_t k = 0; k < c.balls; ++k)
+      if (k + 1 < c.balls || c.press > 0.0) add(all, k, c.press + (n - 1.0 - static_cast<double>(k)) * c.weight, dt);
+    return stiffest_mode(world, all, 0.0, pressed).value;
   });
 }
 

@@ -39,7 +39,26 @@ double overlap_under(const ContactLinks& links, const ExpectedPair& pair, double
 double impact_step(const ContactLinks& links, const ExpectedPair& pair, double overlap);
 
 /// Of a packing of round bodies with so many contacts each at an overlap [s].
-double packing_step(const ContactLinks& links, const ExpectedPair& pair, double overlap, int coordination);
+double packing_step(const ContactLinks& links, const ExpectedPair& pair, double overlap, double coordination);
+
+/// Contacts of a body that decide about the step of a packing at rest: as many as hold it, 6 without friction and 4
+/// with it (isostatic), a tenth more, and half more under dampers that stop an impact at once, where walls count. By
+/// random beds with and without a load (perf/step_limits.py). A dense crystal of 12 bears less, which the watch sees in
+/// the run.
+double resting_contacts(double friction, double restitution);
+
+/// Equal balls on each other, the lowest on a floor.
+struct Column {
+  std::size_t balls = 1;
+  double mass = 0.0, radius = 0.0;  ///< of a ball [kg], [m]
+  double weight = 0.0;              ///< of a ball [N]
+  double press = 0.0;               ///< of a plate on the uppermost [N]; 0: there is none
+  double plate_mass = 0.0;          ///< with which it gives way [kg]; 0: it does not
+  std::uint16_t ball_material = 0, floor_material = 0;
+};
+
+/// By the eigenvalue of all its contacts under what lies above them [s].
+double column_step(const ContactLinks& links, const Column& column);
 
 /// Of a flat body that lies on four points of its stiffest face at an overlap; the lowest of `stacked` bodies where
 /// more than one is free [s].

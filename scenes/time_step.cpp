@@ -42,6 +42,8 @@ struct Survey {
   double diameter = infinity;  ///< of the smallest free body [m]
   double fastest = 0.0;        ///< at the start [m/s]
   double load = 0.0;           ///< weights, external forces and servo walls, all together [N]
+  double pressed = 0.0;        ///< by the strongest servo wall, part of the load [N]
+  double plate_mass = 0.0;     ///< of the lightest servo wall without gains [kg]; 0: there is none
   double pressure = 0.0;       ///< of a cell [Pa]
   Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);  ///< of the free bodies [m]
 };
@@ -101,7 +103,7 @@ Survey survey(const Assembly& a) {
   Survey out;
   const double g = w.gravity.norm();
   const Vec3 down = g > 0 ? Vec3(w.gravity / g) : -Vec3::UnitZ();
-  double low = infinity, high = -infinity, fastest = 0, pressed = 0;
+  double low = infinity, high = -infinity, fastest = 0;
   for (Slot s = 0; s < w.size(); ++s) {
     if (a.plan.rolling && is_railway(w.shape[s])) continue;  // they touch each other only: railway_step
     if (const Vec3& v = w.velocity[s]; !std::isfinite(v.squaredNorm()))
@@ -128,9 +130,11 @@ Survey survey(const Assembly& a) {
   for (const auto& b : a.scene.bodies)
     if (b.servo && !b.absent) {
       fastest = std::max(fastest, b.servo->servo.max_speed);
-      pressed = std::max(pressed, b.servo->servo.force);
+      out.pressed = std::max(out.pressed, b.servo->servo.force);
+      if (const double mass = b.servo->servo.mass; !b.servo->servo.has_gains() && mass > 0.0)
+        out.plate_mass = out.plate_mass > 0.0 ? std::min(out.plate_mass, mass) : mass;
     }
-  out.load += pressed;
+  out.load += out.pressed;
   if (a.scene.cell) out.pressure = a.scene.cell->control.pressure.value_or(0.0);
   out.fastest = fastest;
   out.fall = out.free_bodies > 0 ? fall_speed(g, high - low) : 0.0;
@@ -176,8 +180,9 @@ class ContactEstimate {
   double chosen = infinity, limit = infinity;  ///< [s]
   std::string reason, limit_reason;
 
-  void look(std::uint16_t i, const Smallest& p, std::uint16_t j, const Smallest* q, double impact_overlap,
-            double restitution) {
+  void look(const MaterialPair& materials, std::uint16_t i, const Smallest& p, std::uint16_t j, const Smallest* q,
+            double impact_overlap) {
+    const auto [friction, restitution] = std::pair(materials.friction, materials.restitution);
     ExpectedPair pair{i, j, q ? std::min(p.mass, q->mass) : p.mass, {}};
     pair.at.effective_mass = q ? p.mass * q->mass / (p.mass + q->mass) : p.mass;
     const double radius = pair.at.effective_radius = q ? p.radius * q->radius / (p.radius + q->radius) : p.radius;
@@ -185,21 +190,27 @@ class ContactEstimate {
     const bool round = p.flat.empty() && (!q || q->flat.empty());
     if (!round) return corners(pair, p, q, impact_overlap, restitution);
     // a body has one contact with a wall and shares the others with its like; in a column they are two
-    const bool column = area_ < 2.0 * 4.0 * p.radius * p.radius;
-    const int neighbours =
-        std::min<int>(column ? 2 : 10, static_cast<int>(survey_.free_bodies + survey_.held_bodies) - 1);
+    const bool column = is_column(p.radius);
+    const int most = static_cast<int>(survey_.free_bodies + survey_.held_bodies) - 1;
+    const int neighbours = std::min(column ? 2 : 10, most);
     const double pressed = overlap_under(links_, pair, chains * load_of(p.radius));
     const bool one = !q && survey_.free_bodies > 1;
     const int points = neighbours * (q ? std::min(p.points, q->points) : p.points);
-    const auto under_load = [&](const ExpectedPair& of, int contacts) {
+    const auto under_load = [&](const ExpectedPair& of, double contacts) {
       return one ? impact_step(links_, of, pressed) : packing_step(links_, of, pressed, contacts);
     };
+    const double resting = std::min<double>(resting_contacts(friction, restitution), most);
+    const bool balls = p.round && (!q || q->round);
+    const double bears = !column  ? under_load(pair, resting)
+                         : !balls ? under_load(pair, neighbours)
+                                  : (q ? infinity : column_of(i, j, p));
     ExpectedPair end = pair;  // the end of a long body moves as a quarter of its mass does
     if (!p.round || (q && !q->round)) {
       end.mass *= 0.25;
       end.at.effective_mass *= 0.25;
     }
-    take(under_load(pair, neighbours), 0.5 * under_load(end, points), "under the load of the bodies above");
+    const double half = std::min(under_load(end, points), column && balls ? bears : infinity);
+    take(bears, 0.5 * half, "under the load of the bodies above");
     take(impact_step(links_, pair, impact_overlap), 0.5 * impact_step(links_, end, impact_overlap),
          "at the expected speed");
   }
@@ -211,6 +222,20 @@ class ContactEstimate {
   double load_of(double radius) const {
     const double below = 4.0 * radius * radius;
     return survey_.load * std::min(1.0, below / area_) + survey_.pressure * below;
+  }
+  bool is_column(double radius) const { return area_ < 2.0 * 4.0 * radius * radius; }
+  double column_of(std::uint16_t ball, std::uint16_t floor, const Smallest& p) const {
+    constexpr std::size_t most = 10;  // a longer one is no stiffer, but by its load
+    Column c{std::clamp<std::size_t>(survey_.free_bodies, 1, most),
+             p.mass,
+             p.radius,
+             0.0,
+             survey_.pressed,
+             survey_.plate_mass,
+             ball,
+             floor};
+    c.weight = (survey_.load - survey_.pressed) / static_cast<double>(c.balls);
+    return column_step(links_, c);
   }
   void corners(ExpectedPair pair, const Smallest& p, const Smallest* q, double impact_overlap, double restitution) {
     for (const Smallest* kind : {&p, q}) {
@@ -267,7 +292,7 @@ TimeStep smooth_step(const Assembly& a, const Survey& s) {
       shortest = limit;
       between = pair.a.name + "-" + pair.b.name;
     }
-    estimate.look(i, p, j, q, limit.impact.largest_overlap, pair.restitution);
+    estimate.look(pair, i, p, j, q, limit.impact.largest_overlap);
   };
   for (const auto& [i, p] : s.free) {
     for (const auto& [j, q] : s.free)

@@ -54,6 +54,7 @@ EPAFI_LANES V keep(MaskOf<V> mask, V x) {
 EPAFI_LANES bool any(LaneMask mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
 
 /// The same for one number, so that a formula serves both.
+EPAFI_LANES double select(bool mask, double yes, double no) { return mask ? yes : no; }
 EPAFI_LANES double sqrt(double x) { return std::sqrt(x); }
 EPAFI_LANES double max(double a, double b) { return a < b ? b : a; }
 EPAFI_LANES double min(double a, double b) { return b < a ? b : a; }

@@ -132,10 +132,23 @@ const std::optional<Domain>& Simulation::watched() const {
 /// Whatever changes the bodies between two steps.
 void Simulation::prepare(double dt, bool sort) {
   const std::size_t before = world.size();
+  const double power = held_power();
   for (auto& event : events) event->before_step(world, dt, leaving_);
+  // contacts book their first half by the velocities of the last step
+  ledger.add_work(0.5 * dt * (held_power() - power));
   if (world.size() > before) welcome(before);
   if (!leaving_.empty()) take_out();
   if (sort) sort_bodies();
+}
+
+/// Of bodies that servos move on all others, with the forces of the last step [W].
+double Simulation::held_power() const {
+  if (!world.columns().held_force) return 0.0;
+  return block_sum<double>(world.size(), [&](std::size_t s) {
+    if (world.is_movable(static_cast<Slot>(s))) return 0.0;
+    const double turn = world.rotates() ? world.torque[s].dot(world.angular_velocity[s]) : 0.0;
+    return -world.force[s].dot(world.velocity[s]) - turn;
+  });
 }
 
 std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on) {

@@ -88,6 +88,7 @@ class Simulation {
   std::optional<Failure> make_step(double dt, bool sort, bool run_on);
   std::optional<Failure> make_remote_step(double dt, bool sort);
   void prepare(double dt, bool sort);
+  double held_power() const;
   bool nobody_looks() const;
   bool sorts_now() const { return steps_ + before_ > 0 && (steps_ + before_) % sort_interval == 0; }
   const std::optional<Domain>& watched() const;

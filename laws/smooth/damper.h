@@ -33,6 +33,25 @@ EPAFI_LANES Velocity damper_force(const DamperStep<Real>& step, const Real& dash
   return of_late * v_late + of_middle * v_middle;
 }
 
+/// Of a contact's force in the step, for the balance of energy.
+template <class Real>
+struct ContactChange {
+  Real overlap{};    ///< now [m]
+  Real force{};      ///< now [N]
+  Real stiffness{};  ///< [N/m]
+};
+
+/// The velocity that the step ends with [m/s]: v_late with the contact's own change of force, which is all of it where
+/// it has begun in this step. With v_late the dashpot's loss is booked too high by D^2 dt/(2 m*) dt at the start of
+/// every impact: 1 to 3 % of the energy at ten steps per contact.
+template <class Real>
+EPAFI_LANES Real velocity_after(const DamperStep<Real>& step, const Real& v_late, const Real& v_middle,
+                                const ContactChange<Real>& now) {
+  const Real moved = step.dt * v_middle;
+  const Real change = select(now.overlap > moved, now.stiffness * moved, now.force);
+  return v_late - step.half_mobility * change;
+}
+
 /// dt^2/4 k and what the dashpot adds to it where the contact's force alternates from step to step [kg]: a body is
 /// stable while the sum of its contacts stays below its mass. mobility: 1/m* [1/kg].
 inline double damped_weight(double stiffness, double dashpot, double mobility, double dt) {

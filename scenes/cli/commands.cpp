@@ -25,6 +25,7 @@
 #include "scenes/reader/scene_reader.h"
 #include "scenes/session.h"
 #include "scenes/several_ranks.h"
+#include "scenes/spring_file.h"
 #include "scenes/stage_check.h"
 #include "scenes/start_run.h"
 #include "scenes/stop.h"
@@ -178,8 +179,17 @@ bool follows(const RankTeam* team) { return team != nullptr && team->number() > 
 
 }  // namespace
 
-int command_run(const CommonOptions& common, const RunOptions& options) {
-  set_threads(options.threads);
+/// All of a command by one team: loops outside one are OpenMP's own, whose threads spin for milliseconds after each of
+/// them, beside other programs for a time slice.
+template <class F>
+int in_team(int threads, const F& command) {
+  set_threads(threads);
+  int code = exit_done;
+  with_team([&] { code = command(); });
+  return code;
+}
+
+static int run_scene(const CommonOptions& common, const RunOptions& options) {
   const SessionLimits limits = limits_of(options);
   auto assembly = assemble(read_or_throw(common.scene, common.overrides));
   RankTeam* const team = RankTeam::of_program();
@@ -211,6 +221,10 @@ int command_run(const CommonOptions& common, const RunOptions& options) {
   Session session(std::move(assembly), common.overrides, folder,
                   options.least_output ? Session::Output::least : Session::Output::all);
   return finish(session, folder, options, limits);
+}
+
+int command_run(const CommonOptions& common, const RunOptions& options) {
+  return in_team(options.threads, [&] { return run_scene(common, options); });
 }
 
 namespace {
@@ -271,11 +285,11 @@ static void say_complete(const CheckpointHeader& header, const RunRecord& record
                   header.step, header.time, onwards));
 }
 
-int command_resume(const std::string& directory, const RunOptions& options, const ResumeChanges& changes) {
-  set_threads(options.threads);
+static int resume_run(const std::string& directory, const RunOptions& options, const ResumeChanges& changes) {
   const std::filesystem::path folder(directory);
   RankTeam* const team = RankTeam::of_program();
   std::optional<FolderLock> lock;
+  check_is_run(folder);
   if (!follows(team)) lock.emplace(folder);
   if (!std::filesystem::exists(folder / "checkpoint.h5") && !std::filesystem::exists(folder / "run.h5"))
     throw FileError(no_run_text(folder, "resume"));
@@ -311,6 +325,10 @@ int command_resume(const std::string& directory, const RunOptions& options, cons
   if (limits.until) session->extend(*limits.until);
   if (limits.steps) session->extend_to_step(*limits.steps);
   return finish(*session, folder, options, limits);
+}
+
+int command_resume(const std::string& directory, const RunOptions& options, const ResumeChanges& changes) {
+  return in_team(options.threads, [&] { return resume_run(directory, options, changes); });
 }
 
 int command_check(const CommonOptions& common) {
@@ -357,6 +375,8 @@ int command_export(const std::string& directory, const std::string& format) {
   say(fmt::format("{} snapshots and {} measures exported from {}/run.h5", report.snapshots, report.measures,
                   directory));
   for (const std::string& note : report.notes) say("epafi: note: " + note);
+  if (format != "csv") return exit_done;
+  if (const std::string note = export_springs(directory); !note.empty()) say("epafi: note: " + note);
   return exit_done;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "detection/profiles/rolling_search.h"
 #include "scenes/contact_setup.h"
@@ -50,6 +51,48 @@ std::vector<SpringElement> springs_of(const Assembly& a) {
     SpringElement e{s.name, a.id_of(s.body), attachment, {}, s.speed, s.stiffness, s.damping, s.preload};
     if (s.to) e.to = a.id_of(*s.to);
     out.push_back(e);
+  }
+  return out;
+}
+
+namespace {
+
+/// Where springs are relaxed, and where their frames began.
+class SpringState final : public StateVisitor {
+ public:
+  std::vector<Vec3> relaxed;
+  std::vector<double> start;
+
+ private:
+  std::size_t bytes_of(std::string_view, std::size_t, std::size_t current) override { return current; }
+  void exchange(std::string_view name, std::size_t, std::byte* data, std::size_t bytes) override {
+    if (name == "springs/relaxed") fill(relaxed, data, bytes);
+    if (name == "springs/start") fill(start, data, bytes);
+  }
+  template <class T>
+  static void fill(std::vector<T>& to, const std::byte* data, std::size_t bytes) {
+    to.resize(bytes / sizeof(T));
+    if (bytes > 0) std::memcpy(static_cast<void*>(to.data()), data, bytes);
+  }
+};
+
+}  // namespace
+
+std::vector<Vec3> spring_loads(const Assembly& a) {
+  const std::vector<SpringElement> springs = springs_of(a);
+  std::vector<Vec3> out(springs.size(), Vec3::Zero());
+  SpringState state;
+  a.simulation->visit(state);
+  if (state.relaxed.size() != springs.size()) return out;
+  const World& world = a.simulation->world;
+  const auto way = way_of(a);
+  for (std::size_t k = 0; k < springs.size(); ++k) {
+    const SpringElement& s = springs[k];
+    const Slot body = world.slot_of(s.body), far = s.to ? world.slot_of(*s.to) : no_slot;
+    if (body == no_slot || (s.to && far == no_slot)) continue;
+    const Pose frame = s.to ? world.pose(far) : way->frame(state.start[k] + s.speed * world.clock);
+    const Vec3 stretch = state.relaxed[k] - frame.to_local(world.pose(body).to_world(s.attachment));
+    out[k] = s.stiffness.cwiseProduct(stretch);
   }
   return out;
 }

@@ -11,6 +11,8 @@ RollingSetup rolling_setup(const Scene& scene);
 /// Puts the search for contact regions over the narrow phase and the laws of rolling contact over the contact model.
 void add_rolling(Assembly& assembly);
 std::vector<SpringElement> springs_of(const Assembly& assembly);
+/// What each spring pulls its body with now, by its stretch alone, along the axes of its far end [N].
+std::vector<Vec3> spring_loads(const Assembly& assembly);
 /// Puts springs over the contact model; bodies must be there. Frames follow the track if the scene has one only, else
 /// x.
 void add_springs(Assembly& assembly);

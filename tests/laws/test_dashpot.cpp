@@ -53,7 +53,7 @@ TEST_CASE("a sticking sphere swings with the tangential damping asked for", "[la
     }
 }
 
-TEST_CASE("the ledger of a heap with tangential dashpots closes to second order", "[laws][friction][dashpot][energy]") {
+TEST_CASE("the ledger of a heap with tangential dashpots closes with the step", "[laws][friction][dashpot][energy]") {
   double error[2];
   for (int fine = 0; fine < 2; ++fine) {
     ContactChoice choice{"hertz-mindlin",  0.6, 0.4, 0.0, parameters_of({{"tangential_damping", 0.3}}),
@@ -77,8 +77,9 @@ TEST_CASE("the ledger of a heap with tangential dashpots closes to second order"
     error[fine] = std::abs(rig.ledger.relative_error());
   }
   INFO("errors " << error[0] << " " << error[1]);
-  CHECK(error[0] < 2e-3);
-  CHECK(error[1] < error[0] / 3);
+  // losses are booked with the velocity at the end of the step: what is left is the scatter of single impacts
+  CHECK(error[0] < 1e-4);
+  CHECK(error[1] < error[0] / 2);
 }
 
 TEST_CASE("friction by spring and dashpot together stays below mu N and never adds energy",

@@ -1,0 +1,128 @@
+// The step that a scene states as its limit against that of its contacts at rest, and what automatic steps cost the
+// balance of energy: random gases, presses and beds (perf/step_limits.py finds the same limits by bisection).
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "engine/units/random.h"
+#include "scenes/stability_watch.h"
+#include "tests/support/catch.h"
+#include "tests/support/scene_run.h"
+
+using namespace epafi;
+using namespace epafi::experiments;
+
+namespace {
+
+/// Balls of radius r in a law that k and modulus belong to.
+struct Drawn {
+  double r, modulus, e, mu;
+  bool linear;
+};
+
+Drawn draw_of(Random& random) {
+  constexpr double restitutions[] = {0.0, 0.1, 0.3, 0.5, 0.8, 0.95};
+  Drawn d{};
+  d.r = std::pow(10.0, random.uniform(-3.0, -1.5));
+  d.modulus = std::pow(10.0, random.uniform(5.5, 7.0));
+  d.e = restitutions[static_cast<std::size_t>(random.uniform(0.0, 5.999))];
+  d.mu = random.uniform(0.0, 1.0) < 0.3 ? 0.0 : random.uniform(0.2, 0.6);
+  d.linear = random.uniform(0.0, 1.0) < 0.5;
+  return d;
+}
+
+std::string head(const Drawn& d, double duration, double gravity) {
+  const std::string law =
+      d.linear ? fmt::format("law = \"linear\", stiffness = {:.9g}", d.modulus * d.r) : "law = \"hertz-mindlin\"";
+  return fmt::format(R"(run = {{ duration = {0:.9g}, output_interval = {0:.9g}, time_step = "auto" }}
+material.m = {{ density = 2500, youngs_modulus = {1:.9g}, poissons_ratio = 0.25 }}
+contact = {{ method = "smooth", restitution = {2}, friction = {3}, smooth = {{ {4} }} }}
+shape.ball = {{ sphere = {{ radius = {5:.9g} }} }}
+)",
+                     duration, d.modulus, d.e, d.mu, law, d.r) +
+         (gravity != 0.0 ? fmt::format("world = {{ gravity = [0, 0, {}] }}\n", gravity) : "");
+}
+
+std::string plane(const char* name, double x, double y, double z, const std::string& at, const std::string& state) {
+  return fmt::format(
+      "[[body]]\nname = \"{}\"\nshape = {{ half_space = {{ normal = [{}, {}, {}] }} }}\nposition = {}\nmaterial = "
+      "\"m\"\n{}\n",
+      name, x, y, z, at, state);
+}
+
+/// A column of n balls between a floor and a plate that presses with a multiple of a ball's weight.
+std::string press(Random& random, const Drawn& d, int n) {
+  const double mass = 2500.0 * 4.0 / 3.0 * M_PI * d.r * d.r * d.r, speed = std::sqrt(9.81 * d.r);
+  const double force = 9.81 * mass * std::pow(10.0, random.uniform(0.5, 3.0));
+  const std::string servo = fmt::format(
+      "motion = {{ servo = {{ force = {:.9g}, direction = [0, 0, -1], mass = {:.9g}, max_speed = {:.9g} }} }}", force,
+      mass * (random.uniform(0.0, 1.0) < 0.5 ? 0.3 : 3.0), speed);
+  return head(d, 12.0 * std::sqrt(20.0 * d.r / 9.81), random.uniform(0.0, 1.0) < 0.5 ? 0.0 : -9.81) +
+         plane("floor", 0, 0, 1, "[0, 0, 0]", "fixed = true") +
+         fmt::format(
+             "[[body]]\nname = \"b\"\nrepeat = {}\nshape = \"ball\"\nmaterial = \"m\"\nposition = [0, 0, \"= (1 "
+             "+ 2*i)*{:.17g}\"]\n",
+             n, d.r) +
+         plane("plate", 0, 0, -1, fmt::format("[0, 0, {:.17g}]", (2 * n + 0.02) * d.r), servo);
+}
+
+std::string gas(const Drawn& d, const std::string& strain) {
+  const double side = std::cbrt(300.0 * 4.0 / 3.0 * M_PI / 0.1) * d.r, speed = 0.02 * std::sqrt(d.modulus / 2500.0);
+  return head(d, 200.0 * d.r / speed, 0.0) +
+         fmt::format(
+             "world = {{ domain = {{ min = [0, 0, 0], max = [{0:.9g}, {0:.9g}, {0:.9g}], periodic = [\"x\", "
+             "\"y\", \"z\"]{1} }} }}\n[[fill]]\nshape = \"ball\"\nmaterial = \"m\"\ncount = 300\n"
+             "velocity_deviation = {2:.9g}\nsize = {{ distribution = \"uniform\", min = 0.9, max = 1.1 }}\n"
+             "region = {{ box = {{ min = [0, 0, 0], max = [{0:.9g}, {0:.9g}, {0:.9g}] }} }}\n",
+             side, strain, speed);
+}
+
+}  // namespace
+
+TEST_CASE("the stated limit of a pressed column is that of its contacts under the press", "[physics][time_step]") {
+  for (std::uint64_t draw = 0; draw < 20; ++draw) {
+    Random random(61, draw);
+    Drawn d = draw_of(random);
+    const int balls = 1 + static_cast<int>(random.uniform(0.0, 4.999));
+    auto run = start_text(press(random, d, balls));
+    INFO("draw " << draw << ", e " << d.e << ", mu " << d.mu << ", linear " << d.linear << ", balls "
+                 << run.simulation().world.size() - 2);
+    const double stated = run.assembly->time_step.limit;
+    run.advance_to(0);
+    REQUIRE(run.failure.empty());
+    const double at_rest = stable_step_now(*run.assembly);
+    CHECK(stated > 0.85 * at_rest);
+    CHECK(stated < 1.2 * at_rest);
+  }
+}
+
+TEST_CASE("the balance of a ball under a servo wall closes at the automatic step", "[physics][time_step][energy]") {
+  int closed = 0;
+  for (std::uint64_t draw = 0; draw < 20; ++draw) {
+    Random random(62, draw);
+    const Drawn d = draw_of(random);
+    auto run = start_text(press(random, d, 1));
+    INFO("draw " << draw << ", e " << d.e << ", mu " << d.mu << ", linear " << d.linear);
+    run.advance_to(0);
+    REQUIRE(run.failure.empty());
+    closed += std::abs(run.energy_error()) < 1e-2;
+    CHECK(std::abs(run.energy_error()) < 2.5e-2);  // a wall of 0.3 ball masses that is thrown back more than once
+  }
+  CHECK(closed >= 18);
+}
+
+TEST_CASE("a gas of balls of e = 0.5 and more opens its balance by less than a hundredth at the automatic step",
+          "[physics][time_step][energy]") {
+  for (std::uint64_t draw = 0; draw < 16; ++draw) {
+    Random random(63, draw);
+    Drawn d = draw_of(random);
+    const bool strained = draw % 2 == 1;
+    d.e = std::max(d.e, 0.5);  // below, strong dampers change within a step
+    INFO("draw " << draw << ", e " << d.e << ", mu " << d.mu << ", linear " << d.linear << ", strained " << strained);
+    const double rate = strained ? 0.02 * 0.02 * std::sqrt(d.modulus / 2500.0) / d.r : 0.0;
+    auto run = start_text(gas(d, strained ? fmt::format(", strain_rate = [{0:.9g}, -{0:.9g}, 0]", rate) : ""));
+    run.advance_to(0);
+    REQUIRE(run.failure.empty());
+    CHECK(std::abs(run.energy_error()) < 1e-2);
+  }
+}
