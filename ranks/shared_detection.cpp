@@ -39,6 +39,8 @@ class SharedNarrowPhase final : public NarrowPhase {
     part_.find(&world, &contacts);
   }
 
+  void unite(const World& world, ContactSet& contacts) override { memory_->unite(world, contacts); }
+
   /// Nothing that is remembered by slots lasts.
   void reorder(const Reordering& change) override {
     memory_->reorder(change);

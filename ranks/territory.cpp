@@ -88,7 +88,8 @@ Routes Territory::routes(const World& world, const Owners& owner, const std::vec
     r.owner.push_back(is_held ? Routes::all_ranks : partition_.owner(world.position[s]));
     if (is_held) r.to.insert(r.to.end(), held.begin(), held.end());
     if (owner[s] != World::here) continue;
-    const double reach = setup_.radius(world.shape[s]) + largest_ + setup_.reach + 2.0 * margin_;
+    const double reach =
+        setup_.radius(world.shape[s]) + (2 * setup_.rings - 1) * largest_ + setup_.rings * setup_.reach + 2.0 * margin_;
     ranks = {r.owner.back()};
     for (const Vec3& shift : shifts) partition_.ranks_near(world.position[s] + shift, (1.0 + 1e-9) * reach, ranks);
     std::ranges::sort(ranks);

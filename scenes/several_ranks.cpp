@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "detection/narrow/on_surface.h"
 #include "laws/nonsmooth/shared_sweeps.h"
 
 namespace epafi {
@@ -67,11 +70,30 @@ void check_shareable(const Assembly& a) {
   }
 }
 
+namespace {
+
+/// Free ones, which may be walls to each other (detection/narrow/seams.h).
+bool has_flat_bodies(const Assembly& a) {
+  const auto flat = [&](std::uint32_t shape) { return has_flat_faces(*a.shapes, ShapeRef{shape}); };
+  const World& world = a.simulation->world;
+  for (Slot s = 0; s < world.size(); ++s)
+    if (world.is_movable(s) && flat(world.shape[s])) return true;
+  return std::ranges::any_of(a.sources, [&](const PourBodies* source) {
+    return std::ranges::any_of(source->setup().bodies, [&](const WaitingBody& b) { return flat(b.body.shape); });
+  });
+}
+
+}  // namespace
+
 PartSetup part_setup(const Assembly& a) {
   const auto radius = [shapes = a.shapes](std::uint32_t shape) { return shapes->bounding_radius(ShapeRef{shape}); };
   const bool smooth = a.scene.contact.method.value == Method::smooth;
   const auto is_clump = [](std::uint32_t shape) { return ShapeRef{shape}.type() == ShapeStore::type_of<Clump>(); };
-  return {smooth ? PartSetup::Shares::steps : PartSetup::Shares::contacts, a.plan.reach, radius, is_clump,
+  return {smooth ? PartSetup::Shares::steps : PartSetup::Shares::contacts,
+          a.plan.reach,
+          radius,
+          is_clump,
+          smooth && has_flat_bodies(a) ? 3 : 1,
           help_with_sweeps};
 }
 

@@ -52,6 +52,7 @@ class SphereSplit final : public NarrowPhase {
       : shapes_(shapes), others_(std::move(others)), model_(model), roles_(std::move(roles)) {}
   const char* name() const override { return "spheres apart"; }
   void collide(const World& world, const PairList& pairs, ContactSet& contacts) override;
+  void unite(const World& world, ContactSet& contacts) override { others_->unite(world, contacts); }
   void reorder(const Reordering& change) override { known_ = false, others_->reorder(change); }
   void visit(StateVisitor& visitor) override { known_ = false, others_->visit(visitor); }
 

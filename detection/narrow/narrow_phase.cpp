@@ -179,7 +179,7 @@ void BatchNarrowPhase::collide(const World& world, const PairList& list, Contact
   const bool fresh = !known_ || generation_ != list.generation || pairs_ != n;
   if (fresh) {
     keep_memory();
-    if (seams_) seams_->find(world);
+    seams_known_ = false;
     blocks_.resize((n + block_size - 1) / block_size);
     generation_ = list.generation;
     pairs_ = n;
@@ -192,7 +192,13 @@ void BatchNarrowPhase::collide(const World& world, const PairList& list, Contact
   if (fresh) list_meshes();
   contacts.meshes = meshes_;
   join(contacts);
-  if (seams_) seams_->hide(world, contacts);
+}
+
+void BatchNarrowPhase::unite(const World& world, ContactSet& contacts) {
+  if (!seams_) return;
+  if (!seams_known_ || !seams_->knows(world)) seams_->find(world);
+  seams_known_ = true;
+  seams_->hide(world, contacts);
 }
 
 void BatchNarrowPhase::visit(StateVisitor& visitor) {

@@ -27,8 +27,9 @@ class BatchNarrowPhase : public NarrowPhase {
 
   const char* name() const override { return "batches"; }
   void collide(const World& world, const PairList& pairs, ContactSet& contacts) override;
+  void unite(const World& world, ContactSet& contacts) override;
   /// Not those near no triangle of a mesh.
-  void reorder(const Reordering&) override { known_ = restored_ = false; }
+  void reorder(const Reordering&) override { known_ = restored_ = seams_known_ = false; }
   /// Of the resting patches; what else is remembered changes no bit.
   void visit(StateVisitor& visitor) override;
 
@@ -86,6 +87,7 @@ class BatchNarrowPhase : public NarrowPhase {
   std::vector<Block> blocks_;
   std::vector<Slot> meshes_;      ///< of all blocks, ascending
   std::unique_ptr<Seams> seams_;  ///< null: each wall stands for itself
+  bool seams_known_ = false;      ///< which bodies have flat faces
   std::vector<Memory> old_;       ///< of the last list's blocks, in order, none empty
 };
 

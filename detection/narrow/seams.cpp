@@ -158,7 +158,8 @@ bool Seams::has_other_near(const Candidate& c) const {
 /// The body's other contacts say with whom. A body that touches many, as a floor, feels free ones one by one.
 void Seams::list_others(const World& world, const ContactSet& contacts, const Group& group, bool wall_is_b) {
   const auto groups = of_body_.at(group.of(!wall_is_b));
-  if (world.is_movable(group.of(wall_is_b)) && groups.size() > most_of_free) return;
+  const bool feels_free = world.is_movable(group.of(!wall_is_b)) && groups.size() <= most_of_free;
+  if (world.is_movable(group.of(wall_is_b)) && !feels_free) return;
   for (const std::uint32_t k : groups)
     if (&groups_[k] != &group) add_other(world, contacts, group, wall_is_b, groups_[k]);
 }
@@ -171,7 +172,7 @@ void Seams::add_other(const World& world, const ContactSet& contacts, const Grou
   const bool held_is_b = held.a == body;
   const Slot slot = held.of(held_is_b);
   const bool free = world.is_movable(wall) || world.is_movable(slot);
-  if (flat_[slot] == 0 || (free && !world.owner.empty())) return;  // elsewhere, not all contacts of both are known
+  if (flat_[slot] == 0) return;
   Vec3 shift = Vec3::Zero();
   if (world.cell)
     shift = centre_of_body(world, contacts, group.begin, wall_is_b) -

@@ -10,8 +10,7 @@
 /// are one surface in the same way.
 ///
 /// Limits: of closed meshes only the surface counts, not what it encloses; what a contact remembers (friction, plastic
-/// history) ends with its wall; free bodies are not joined over several processes, nor for a body that touches more
-/// than 64.
+/// history) ends with its wall; free bodies are not joined for a body that touches more than 64, or that is held.
 #pragma once
 #include <algorithm>
 #include <numeric>
@@ -34,6 +33,7 @@ class Seams {
 
   /// Which bodies have flat faces; whenever slots have other bodies.
   void find(const World& world);
+  bool knows(const World& world) const { return flat_.size() == world.size(); }
   /// Takes out what is no contact of the union; the others keep their order. Of contacts as the narrow phase joins
   /// them: without forces and areas.
   void hide(const World& world, ContactSet& contacts);

@@ -19,7 +19,9 @@ struct PartSetup {
   double reach = 0.0;                                 ///< contacts begin at this gap [m]
   std::function<double(std::uint32_t shape)> radius;  ///< bounding radius of World::shape [m]
   std::function<bool(std::uint32_t shape)> is_clump;  ///< of World::shape
-  std::function<void(RankMessages&)> help;            ///< with what process 0 solves (RankMessages::together)
+  /// What a contact is decided by: 1, the two bodies; 3, what touches them, and what touches that.
+  int rings = 1;
+  std::function<void(RankMessages&)> help;  ///< with what process 0 solves (RankMessages::together)
 };
 
 class RankTeam {

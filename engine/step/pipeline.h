@@ -76,6 +76,8 @@ class BroadPhase : public StepStage {
 class NarrowPhase : public StepStage {
  public:
   virtual void collide(const World& world, const PairList& pairs, ContactSet& contacts) = 0;
+  /// Takes out those that the others show to be none; all contacts have been found.
+  virtual void unite(const World&, ContactSet&) {}
 };
 
 /// Lets the contacts act. Smooth: writes world.force (and torque). Non-smooth: changes world.velocity (and angular

@@ -31,6 +31,7 @@ void step(World& world, Pipeline& stage, Workspace& work, double dt, const RunOn
   if (!stage.broad_phase->keeps_pairs(world)) stage.broad_phase->find_pairs(world, work.pairs);
   timer.lap(Stage::broad_phase);
   stage.narrow_phase->collide(world, work.pairs, work.contacts);
+  stage.narrow_phase->unite(world, work.contacts);
   timer.lap(Stage::narrow_phase);
   stage.contact_model->act(world, work.contacts, clock, work.report);
   timer.lap(Stage::contact);
@@ -45,6 +46,7 @@ void step(World& world, Pipeline& stage, Workspace& work, double dt, const RunOn
 void evaluate_forces(World& world, Pipeline& stage, Workspace& work) {
   stage.broad_phase->find_pairs(world, work.pairs);
   stage.narrow_phase->collide(world, work.pairs, work.contacts);
+  stage.narrow_phase->unite(world, work.contacts);
   work.report.deepest = work.report.deepest_relative = 0.0;
   stage.contact_model->act(world, work.contacts, {0.0, 0.0}, work.report);
 }

@@ -197,6 +197,7 @@ std::string check_text(Assembly& a, const std::vector<StageCheck>& stages) {
   if (!sim.pipeline.scheme->needs_initial_forces()) {
     sim.pipeline.broad_phase->find_pairs(sim.world, sim.work.pairs);
     sim.pipeline.narrow_phase->collide(sim.world, sim.work.pairs, sim.work.contacts);
+    sim.pipeline.narrow_phase->unite(sim.world, sim.work.contacts);
   }
   const Overlap overlap = measure_overlap(w, {w, sim.work.contacts, sim.pipeline.contact_model.get()}, *a.shapes);
   out += fmt::format(

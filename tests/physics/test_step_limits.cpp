@@ -111,7 +111,7 @@ TEST_CASE("the balance of a ball under a servo wall closes at the automatic step
   CHECK(closed >= 18);
 }
 
-TEST_CASE("a gas of balls of e = 0.5 and more opens its balance by less than a hundredth at the automatic step",
+TEST_CASE("a gas of balls of e = 0.5 and more opens its balance by at most (pi dt/t_c)^2/6 of what impacts lose",
           "[physics][time_step][energy]") {
   for (std::uint64_t draw = 0; draw < 16; ++draw) {
     Random random(63, draw);
@@ -123,6 +123,6 @@ TEST_CASE("a gas of balls of e = 0.5 and more opens its balance by less than a h
     auto run = start_text(gas(d, strained ? fmt::format(", strain_rate = [{0:.9g}, -{0:.9g}, 0]", rate) : ""));
     run.advance_to(0);
     REQUIRE(run.failure.empty());
-    CHECK(std::abs(run.energy_error()) < 1e-2);
+    CHECK(std::abs(run.energy_error()) < std::pow(0.1 * std::numbers::pi, 2) / 6.0);  // 1.6 %: a tenth of the contact
   }
 }
