@@ -375,6 +375,7 @@ ContactSet of_joined(const A& a, double za, const B& b, double zb, double radius
   narrow.join_walls();
   ContactSet out;
   narrow.collide(world, list, out);
+  narrow.unite(world, out);
   return out;
 }
 
