@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/units/error.h"
+#include "viz_export/files/page_target.h"
 #include "viz_export/files/run_folder.h"
 #include "viz_export/files/side_file.h"
 #include "viz_export/report/html_text.h"
@@ -96,6 +97,8 @@ bool has_tables(const fs::path& folder) {
 }
 
 fs::path write_folder_report(const fs::path& folder, const fs::path& wanted) {
+  const fs::path target = wanted.empty() ? folder / "report.html" : wanted;
+  require_page_target(target);
   const std::string title = fs::absolute(folder).lexically_normal().filename().string();
   const std::vector<fs::path> folders = runs_in(folder);
   std::vector<ReportCase> cases;
@@ -111,7 +114,6 @@ fs::path write_folder_report(const fs::path& folder, const fs::path& wanted) {
   for (const fs::path& table : files_with(folder, ".csv")) {
     if (table != results) html += csv_html(table);
   }
-  const fs::path target = wanted.empty() ? folder / "report.html" : wanted;
   write_whole_file(target, {"<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
                             "content='width=device-width'><title>",
                             html_escaped(title), "</title>", report_style, "</head><body>", html, "</body></html>\n"});
