@@ -10,6 +10,7 @@
 #include "engine/units/nearest.h"
 #include "engine/units/random.h"
 #include "scenes/cli/print.h"
+#include "viz_export/files/page_target.h"
 #include "viz_export/files/side_file.h"
 
 namespace epafi {
@@ -82,6 +83,7 @@ int command_narrow(const NarrowOptions& options) {
   if (!method)
     throw SceneError("unknown method '" + options.method + "'" +
                      suggestion(options.method, {"auto", "sat", "gjk-epa"}, "methods"));
+  require_not_the_input(options.out, options.corpus);
   const std::vector<CorpusPair> pairs = read_corpus(options.corpus);
   std::string text =
       options.json ? "{\n  \"pairs\": [\n" : "pair,status,distance,nx,ny,nz,pax,pay,paz,pbx,pby,pbz,ns\n";

@@ -33,7 +33,7 @@ int command_patch(const CommonOptions& common, const PatchOptions& options) {
   }
   const std::vector<PatchResult> results = evaluate_patch(*reading.patch, !options.maps.empty());
   const std::string text = options.json ? patch_json(results) : patch_table(results);
-  if (!options.maps.empty()) write_patch_maps(options.maps, results);
+  if (!options.maps.empty()) write_patch_maps(options.maps, results, reading.patch->title);
   print(text);
   bool solved = true;
   for (const PatchResult& r : results) {

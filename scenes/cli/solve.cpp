@@ -17,6 +17,7 @@
 #include "scenes/cli/print.h"
 #include "scenes/stop.h"
 #include "viz_export/files/json_writer.h"
+#include "viz_export/files/page_target.h"
 #include "viz_export/files/side_file.h"
 #include "viz_export/hdf5/hdf5_file.h"
 #include "viz_export/hdf5/problem_file.h"
@@ -174,6 +175,8 @@ void write_reaction(Hdf5File& file, const std::string& name, const Impulses& r) 
 int command_solve(const SolveOptions& o) {
   const auto limit = parse_duration(o.time_limit);
   if (!limit) throw SceneError("--time-limit '" + o.time_limit + "' is no duration; write 1s, 0.5s or 2m");
+  for (const std::string& path : o.problems)
+    for (const std::string& target : {o.out, o.solution}) require_not_the_input(target, path);
   const auto solvers = chosen(o.methods);
   set_thread_count(1);  // the time is that of one core
   std::unique_ptr<Hdf5File> solution;

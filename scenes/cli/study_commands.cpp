@@ -19,6 +19,7 @@
 #include "scenes/study/limits.h"
 #include "scenes/study/slurm_job.h"
 #include "scenes/study/sweep.h"
+#include "viz_export/files/page_target.h"
 #include "viz_export/files/side_file.h"
 
 namespace epafi {
@@ -151,6 +152,7 @@ int command_sweep(const StudyOptions& o, const SweepOptions& s) {
 }
 
 int command_bench(const StudyOptions& o, const BenchOptions& b) {
+  for (const auto& name : o.files) require_not_the_input(b.out_file, scene_file(name));
   std::string csv = bench_header();
   print(csv);
   for (const auto& name : o.files.empty() ? library_benchmarks() : o.files) {

@@ -45,8 +45,9 @@ std::vector<PatchResult> evaluate_patch(const PatchCase& patch, bool maps = fals
 std::string patch_json(const std::vector<PatchResult>& results);
 /// Writes pressures, tractions, slips and stick or slip of every solved patch to FOLDER/NORMAL_TANGENTIAL.csv, .vti and
 /// .svg, stresses and displacements inside the body of finite elements to FOLDER/NORMAL_stress.vtr, and the results
-/// to FOLDER/patch.csv.
-void write_patch_maps(const std::string& folder, const std::vector<PatchResult>& results);
+/// to FOLDER/patch.csv. title: of the pictures.
+void write_patch_maps(const std::string& folder, const std::vector<PatchResult>& results,
+                      const std::string& title = "");
 /// Rigid geometry of the case's wheelset at shifts of 0 to 8 mm as CSV: roll, contact places, rolling radius
 /// difference, equivalent conicity (EN 15302). Cells are empty where the wheelset does not stand on both rails.
 struct PatchGeometry {

@@ -3,13 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <sstream>
 
 #include "laws/wheel_rail/fem/elastic_block.h"
 #include "scenes/patch/evaluate_patch.h"
 #include "viz_export/files/side_file.h"
+#include "viz_export/report/html_text.h"
 
 namespace epafi {
 namespace {
+
+constexpr double least_width = 240.0, letter = 7.5;  // of a picture, and of a letter in it at most, in the mean
 
 /// Stick 1, slip 2, outside 0.
 int state_of(const TractionMap& m, std::size_t k) { return m.sticks[k] ? 1 : 2; }
@@ -97,9 +101,22 @@ std::string vti_of(const TractionMap& m) {
   return out + "</CellData>\n</Piece>\n</ImageData>\n</VTKFile>\n";
 }
 
+/// Lines of so many characters at most, where words let it.
+std::vector<std::string> broken(const std::string& text, std::size_t most) {
+  std::vector<std::string> out;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    if (out.empty() || out.back().size() + 1 + word.size() > most)
+      out.push_back(word);
+    else
+      out.back() += " " + word;
+  }
+  return out;
+}
+
 /// Where the patch sticks (dark) and slips (light), the tractions as lines from dots, at most 24 in a row; x to the
 /// right is forwards, y down to the right of the track.
-std::string svg_of(const TractionMap& m) {
+std::string svg_of(const TractionMap& m, const std::string& title) {
   const Image g = image_of(m);
   const double wide = static_cast<double>(g.nx) * g.dx, high = static_cast<double>(g.ny) * g.dy;
   const double scale = 640.0 / std::max(wide, high), cw = g.dx * scale, ch = g.dy * scale, margin = 24.0;
@@ -121,18 +138,23 @@ std::string svg_of(const TractionMap& m) {
         "y2=\"{3:.2f}\"/>\n",
         x + 0.5 * cw, y + 0.5 * ch, x + 0.5 * cw + length * m.traction_x[k], y + 0.5 * ch + length * m.traction_y[k]);
   }
+  const std::string caption =
+      fmt::format("x (forwards) to the right; stick dark, slip light; longest traction {:.3g} MPa; {:.3g} by {:.3g} mm",
+                  1e-6 * most, 1e3 * wide, 1e3 * high);
+  const double width = std::max(least_width, wide * scale + 2.0 * margin);
+  const std::vector<std::string> lines = broken(caption, static_cast<std::size_t>((width - 2.0 * margin) / letter));
+  std::string text;
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    text += fmt::format("<text x=\"{}\" y=\"{:.0f}\">{}</text>\n", margin,
+                        high * scale + 2.0 * margin + 10.0 + 17.0 * static_cast<double>(k), lines[k]);
   return fmt::format(
              "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
              "font-family=\"sans-serif\" "
-             "font-size=\"13\">\n<style>.stick{{fill:#30638e}}.slip{{fill:#f4c98a}}line{{stroke:#111;stroke-width:1.2}}"
+             "font-size=\"13\">\n<title>{2}</"
+             "title>\n<style>.stick{{fill:#30638e}}.slip{{fill:#f4c98a}}line{{stroke:#111;stroke-width:1.2}}"
              "</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
-             wide * scale + 2.0 * margin, high * scale + 2.0 * margin + 24.0) +
-         cells + arrows +
-         fmt::format(
-             "<text x=\"{0}\" y=\"{1:.0f}\">x (forwards) to the right; stick dark, slip light; longest traction "
-             "{2:.3g} MPa; {3:.3g} by {4:.3g} "
-             "mm</text>\n</svg>\n",
-             margin, high * scale + 2.0 * margin + 10.0, 1e-6 * most, 1e3 * wide, 1e3 * high);
+             width, high * scale + 2.0 * margin + 7.0 + 17.0 * static_cast<double>(lines.size()), html_escaped(title)) +
+         cells + arrows + text + "</svg>\n";
 }
 
 /// VTK XML RectilinearGrid: the graded block with displacements at nodes, stresses and their equivalent in elements.
@@ -170,7 +192,7 @@ std::string vtr_of(const BlockStress& b) {
 
 }  // namespace
 
-void write_patch_maps(const std::string& folder, const std::vector<PatchResult>& results) {
+void write_patch_maps(const std::string& folder, const std::vector<PatchResult>& results, const std::string& title) {
   std::filesystem::create_directories(folder);
   write_whole_file(std::filesystem::path(folder) / "patch.csv", {patch_csv(results)});
   for (const auto& r : results) {
@@ -182,7 +204,7 @@ void write_patch_maps(const std::string& folder, const std::vector<PatchResult>&
       const std::string name = r.normal + "_" + r.tangential + (r.contacts.size() > 1 ? "_" + std::to_string(k) : "");
       write_whole_file(std::filesystem::path(folder) / (name + ".csv"), {csv_of(m)});
       write_whole_file(std::filesystem::path(folder) / (name + ".vti"), {vti_of(m)});
-      write_whole_file(std::filesystem::path(folder) / (name + ".svg"), {svg_of(m)});
+      write_whole_file(std::filesystem::path(folder) / (name + ".svg"), {svg_of(m, title)});
     }
   }
 }

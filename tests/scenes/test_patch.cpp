@@ -245,6 +245,40 @@ TEST_CASE("maps of a patch hold its force, and its picture the cells that stick"
   std::filesystem::remove_all(folder);
 }
 
+TEST_CASE("captions of maps stay within pictures of any shape, with the title of the case", "[scenes][wheel_rail]") {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("epafi-captions-" + std::to_string(::getpid()));
+  std::mt19937 random(8);
+  for (int k = 0; k < 8; ++k) {
+    PatchResult result;
+    result.normal = "hertz";
+    result.tangential = "fastsim";
+    result.contacts.emplace_back();
+    TractionMap& m = result.contacts.back().map;
+    const double length = std::exp2(static_cast<double>(random() % 13) - 6.0);  // 1:64 to 64:1
+    for (int cell = 0; cell < 64; ++cell) {
+      m.x.push_back(1e-3 * length * (cell % 8));
+      m.y.push_back(1e-3 * (cell / 8));
+      for (auto* column : {&m.pressure, &m.traction_x, &m.traction_y}) column->push_back(1e6);
+      m.sticks.push_back(cell % 2 == 0);
+    }
+    write_patch_maps(folder.string(), {result}, "a < b");
+    std::stringstream all;
+    all << std::ifstream(folder / "hertz_fastsim.svg").rdbuf();
+    const std::string text = all.str();
+    CHECK(text.find("<title>a &lt; b</title>") != text.npos);
+    const auto number = [&](const std::string& word) { return std::stod(text.substr(text.find(word) + word.size())); };
+    const double width = number("width=\""), height = number("height=\"");
+    for (std::size_t at = 0; (at = text.find("<text x=\"", at)) != text.npos; ++at) {
+      const double x = std::stod(text.substr(at + 9)), y = std::stod(text.substr(text.find("y=\"", at) + 3));
+      const std::size_t from = text.find('>', at) + 1, letters = text.find('<', from) - from;
+      CHECK(x + 7.0 * static_cast<double>(letters) < width);  // 13 points of a sans face: 6.5 a letter
+      CHECK(y + 4.0 < height);
+    }
+  }
+  std::filesystem::remove_all(folder);
+}
+
 TEST_CASE("what is wrong with a case is named with its place", "[scenes][wheel_rail]") {
   CHECK(problems(head + "[patch]\nload = 1\nsemi_axes = { a = 1, b = 1 }\ntangential = [\"fastsin\"]\n")
             .find("case.toml:9:15: error: unknown tangential 'fastsin'") != std::string::npos);

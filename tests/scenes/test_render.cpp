@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <random>
 #include <sstream>
 
 #include "tests/support/catch.h"
@@ -148,6 +149,40 @@ TEST_CASE("what render is not asked rightly it refuses as usage, before it write
   CHECK(call_program("render " + r.run.string() + " --size 64x48 --time 9 --out a.png 2> " + said, at_home) == 0);
   CHECK(support::read_text(said).find("frames from 0 to 0.2 s") != std::string::npos);
   CHECK(call_program("view " + r.run.string() + " --set params.n=1 --out a.html 2> " + said, at_home) == 2);
+}
+
+TEST_CASE("pages are written over pages alone, and no output over its input", "[scenes][view]") {
+  const RenderedRun r;
+  std::mt19937 random(17);
+  const std::string said = (r.folder / "said").string(), scene = (r.folder / "scene.toml").string();
+  std::ofstream(r.folder / "notes.html") << std::string(random() % 300 + 1, 'a');  // a page by its name alone
+  std::ofstream(r.folder / "noise", std::ios::binary) << std::string(random() % 300 + 1, static_cast<char>(random()));
+  fs::create_hard_link(scene, r.folder / "link.toml");
+  const std::string run = r.run.string();
+  const std::vector<std::string> files{run + "/run.h5",
+                                       run + "/summary.json",
+                                       run + "/measures.csv",
+                                       scene,
+                                       (r.folder / "notes.html").string(),
+                                       (r.folder / "noise").string()};
+  for (const std::string& file : files) {
+    const std::string before = support::read_text(file);
+    for (const std::string& command : {"report " + run, "view " + run, "view " + scene}) {
+      INFO(command + " " + file);
+      CHECK(call_program(command + " --out " + file + " 2> " + said) == 2);
+      CHECK(support::read_text(said).find("no HTML page") != std::string::npos);
+      CHECK(support::read_text(file) == before);
+    }
+  }
+  CHECK(call_program("bench " + scene + " --out " + (r.folder / "link.toml").string() + " > " + said + " 2>&1") == 2);
+  CHECK(call_program("view " + scene + " --out " + run + " 2> " + said) == 2);
+  // pages, whoever wrote them, and empty files may go
+  const std::string page = (r.folder / "page.html").string();
+  for (const char* there : {"", "\xEF\xBB\xBF \n<!DOCTYPE html><p>", "<HTML></HTML>"}) {
+    std::ofstream(page) << there;
+    CHECK(call_program("view " + scene + " --out " + page + " 2> " + said) == 0);
+    CHECK(call_program("report " + run + " --out " + page + " 2> " + said) == 0);
+  }
 }
 
 TEST_CASE("what contacts have of the residual adds up to that of the step", "[scenes][view]") {

@@ -2,9 +2,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <random>
+#include <string>
+#include <vector>
 
 #include "tests/support/catch.h"
 #include "tests/support/document.h"
@@ -114,6 +119,43 @@ TEST_CASE("a folder of cases and tables shows how each case ended and folds long
   CHECK(count(page, "<th class='n'>bodies</th>") == 1);
   CHECK(count(page, "<th>status</th>") == 1);
   CHECK(count(page, "<details>") == 1);
+  fs::remove_all(folder);
+}
+
+TEST_CASE("tables of a study can be read: short numbers, the picture first, constants below", "[scenes][report]") {
+  const fs::path folder = fs::temp_directory_path() / ("epafi-study-report-" + std::to_string(::getpid()));
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  std::mt19937_64 random(3);
+  std::ofstream table(folder / "chart.csv");
+  table << "method,settings,time,count,status,reasons\n";
+  std::vector<std::string> numbers, counts;
+  const std::string settings = "contact.nonsmooth.iterations=5; contact.nonsmooth.tolerance=1e-9";
+  for (int row = 0; row < 6; ++row) {
+    char number[64];
+    std::snprintf(number, sizeof number, "%.17g", std::ldexp(static_cast<double>(random()), -60 - row));
+    numbers.emplace_back(number);
+    counts.push_back(std::to_string(random() % 1000000 + 1000000000));
+    table << "m" << row << "," << settings << row << "," << numbers.back() << "," << counts.back() << ",completed,\n";
+  }
+  table.close();
+  std::ofstream(folder / "chart.json") << R"({"title": "Speed & accuracy"})";
+  std::ofstream(folder / "chart.svg") << "<svg xmlns='http://www.w3.org/2000/svg'></svg>";
+  REQUIRE(shell(std::string(EPAFI_BINARY_DIR) + "/bin/epafi report " + folder.string() + " 2>/dev/null") == 0);
+  const std::string page = epafi::support::read_text(folder / "report.html");
+  CHECK(page.find("<h1>Speed &amp; accuracy</h1>") != page.npos);
+  CHECK(page.find("data:image/svg+xml") < page.find("<table"));
+  CHECK(page.find("The same in all rows: status = completed<") != page.npos);
+  CHECK(page.find("Empty in all rows: reasons<") != page.npos);
+  CHECK(count(page, "<td>completed</td>") == 0);
+  CHECK(count(page, "<div class='long'>" + settings) == 6);
+  for (const std::string& number : numbers) {
+    CHECK(page.find(number) == page.npos);
+    char shown[64];
+    std::snprintf(shown, sizeof shown, "<td class='n'>%.6g</td>", std::stod(number));
+    CHECK(page.find(shown) != page.npos);
+  }
+  for (const std::string& whole : counts) CHECK(page.find("<td class='n'>" + whole + "</td>") != page.npos);
   fs::remove_all(folder);
 }
 

@@ -42,13 +42,17 @@ class MadeRun final : public ViewSource {
     for (std::size_t k = 0; k < frames_.size(); ++k) {
       frames_[k].time = static_cast<double>(k);
       times_.push_back(frames_[k].time);
+      for (const BodyRecord& b : frames_[k].bodies) {
+        if (b.id >= bodies_.size()) bodies_.resize(b.id + 1u);
+        bodies_[b.id] = b;
+      }
     }
   }
   std::string title() const override { return "made"; }
   const RunAbout& about() const override { return about_; }
   const std::vector<double>& times() const override { return times_; }
   ViewFrame frame(std::size_t k) const override { return frames_.at(k); }
-  const std::vector<BodyRecord>& bodies() const override { return frames_.back().bodies; }
+  const std::vector<BodyRecord>& bodies() const override { return bodies_; }
   std::vector<StoredMeasure> measures() const override { return {}; }
   bool has_contacts() const override { return !frames_.back().contacts.empty(); }
   bool has_residuals() const override { return false; }
@@ -58,6 +62,7 @@ class MadeRun final : public ViewSource {
   std::vector<ViewFrame> frames_;
   RunAbout about_;
   std::vector<double> times_;
+  std::vector<BodyRecord> bodies_;  ///< of all frames, by id
 };
 
 /// Mean row of the pixels that are more red than green or blue, or more blue than red.
@@ -254,4 +259,138 @@ TEST_CASE("the picture of a run that grows shows its last state, without what fl
   CHECK(shown.front() == 1);  // the first one with a body
   CHECK(shown.back() == 40);
   CHECK(shown.size() == 6);
+}
+
+namespace {
+
+RenderOptions plain_options(bool contacts) {
+  RenderOptions options;
+  options.width = 640;
+  options.height = 480;
+  options.camera = "front";
+  options.labels = false;
+  options.contacts = contacts;
+  return options;
+}
+
+std::size_t unlike_pixels(Image& a, Image& b) {
+  std::size_t out = 0;
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x) out += std::equal(a.at(x, y), a.at(x, y) + 3, b.at(x, y)) ? 0 : 1;
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("walls are seen through after all bodies have left them", "[viz_export][view]") {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(0.5, 1.5);
+  for (int k = 0; k < 4; ++k) {
+    ShapeStore shapes;
+    const Surface box = surface_of(shapes, shapes.add(Box{Vec3(0.2 * uniform(random), 0.2 * uniform(random), 0.2)}), 1);
+    BodyRecord wall = ball_at(0, Vec3::Zero());
+    wall.mass = 0;
+    wall.surface = &box;
+    const MadeRun run({frame_of({wall, ball_at(1, Vec3::Zero())}), frame_of({wall})}, about_with({0, 0, -9.81}));
+    const Overview overview = look_over(run);
+    RunPainter painter(run, overview, plain_options(false));
+    Image full = painter.paint(0), empty = painter.paint(1);
+    // beyond the outline of the ball, 0.86 of the picture's height wide at most, nothing changes
+    std::size_t unlike = 0;
+    for (int y = 0; y < full.height; ++y)
+      for (int x = 0; x < full.width; ++x)
+        if (std::hypot(x - 320, y - 240) > 215)
+          unlike += std::equal(full.at(x, y), full.at(x, y) + 3, empty.at(x, y)) ? 0 : 1;
+    CHECK(unlike == 0);
+    CHECK(unlike_pixels(full, empty) > 100);
+  }
+}
+
+TEST_CASE("a pale ball mixes with what is behind it by its opacity", "[viz_export][view]") {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  const Camera camera{Vec3(0, -10, 0), Vec3::Zero(), Vec3::UnitZ(), 40.0};
+  for (int k = 0; k < 6; ++k) {
+    DrawnScene scene;
+    scene.lines.push_back({{-2, 2, 0}, {2, 2, 0}, 0.3f, {0.7 * uniform(random), 0.7 * uniform(random), 0.5}});
+    Image behind = draw_scene(scene, camera, 160, 120, {0.9, 0.9, 0.9});
+    scene.balls.push_back({{static_cast<float>(uniform(random)), 0, 0}, 1.0f, {0.7 * uniform(random), 0.3, 0.5}});
+    Image opaque = draw_scene(scene, camera, 160, 120, {0.9, 0.9, 0.9});
+    const double opacity = scene.balls[0].opacity = static_cast<float>(0.1 + 0.8 * uniform(random));
+    Image pale = draw_scene(scene, camera, 160, 120, {0.9, 0.9, 0.9});
+    double worst = 0;
+    for (int y = 0; y < 120; ++y)
+      for (int x = 0; x < 160; ++x)
+        for (int part = 0; part < 3; ++part) {
+          const double mixed = (1 - opacity) * behind.at(x, y)[part] + opacity * opaque.at(x, y)[part];
+          worst = std::max(worst, std::abs(pale.at(x, y)[part] - mixed));
+        }
+    CHECK(worst <= 1.01);  // each of three is rounded
+    CHECK(unlike_pixels(pale, behind) == unlike_pixels(opaque, behind));
+    // a picture with contacts draws its spheres
+    ViewFrame frame = frame_of({ball_at(0, Vec3::Zero()), ball_at(1, Vec3(0.1 + uniform(random), 0, 0))});
+    frame.contacts.push_back({0, 1, {0, 0, 0}, {0.001f, 0, 0}, {1, 0, 0}, 1, 1e-3f, 0});
+    const MadeRun run({frame}, about_with({0, 0, -9.81}));
+    const Overview overview = look_over(run);
+    Image with = RunPainter(run, overview, plain_options(true)).paint(0),
+          without = RunPainter(run, overview, plain_options(false)).paint(0);
+    Image empty = draw_scene({}, camera, 640, 480, {0.969, 0.973, 0.980});
+    CHECK(static_cast<double>(unlike_pixels(with, empty)) ==
+          Approx(static_cast<double>(unlike_pixels(without, empty))).epsilon(0.05));
+  }
+}
+
+TEST_CASE("ribbons of contacts are no wider than 0.42 of the smaller body, and that wide between like ones",
+          "[viz_export][view]") {
+  std::mt19937 random(7);
+  for (const double ratio : {1.0, 0.9, 0.5, 0.3, 0.3 + 1e-4 * (random() % 1000)}) {
+    BodyRecord large = ball_at(0, Vec3::Zero()), small = ball_at(1, Vec3(ball_radius * (1 + ratio), 0, 0));
+    small.radius = ratio * ball_radius;
+    ViewFrame frame = frame_of({large, small});
+    const auto length = static_cast<float>(ball_radius * (1 + ratio));
+    frame.contacts.push_back({0, 1, {0, 0, 0}, {length, 0, 0}, {1, 0, 0}, 1, 1e-3f, 0});
+    const MadeRun run({frame}, about_with({0, 0, -9.81}));
+    const Overview overview = look_over(run);
+    Image image = RunPainter(run, overview, plain_options(true)).paint(0);
+    std::size_t wide = 0, high = 0;
+    for (int x = 0; x < image.width; ++x) {
+      std::size_t column = 0;
+      for (int y = 0; y < image.height; ++y) column += image.at(x, y)[0] > image.at(x, y)[2] + 60 ? 1 : 0;
+      wide += column > 0 ? 1 : 0;
+      high = std::max(high, column);
+    }
+    REQUIRE(wide > 50);
+    CHECK(static_cast<double>(high) / static_cast<double>(wide) ==
+          Approx(2 * 0.42 * ratio * ball_radius / length).margin(2.5 / static_cast<double>(wide)));
+  }
+}
+
+TEST_CASE("names of kinds stand on a plate of their own, whatever is behind them", "[viz_export][view]") {
+  std::mt19937 random(9);
+  for (int k = 0; k < 4; ++k) {
+    RunAbout about = about_with({0, 0, -9.81});
+    about.materials = {"dark", std::string(1 + random() % 30, 'w')};
+    ShapeStore shapes;
+    const Surface slab = surface_of(shapes, shapes.add(Box{Vec3(0.2, 0.2, 0.05)}), 1);
+    BodyRecord floor = ball_at(0, Vec3(0, 0, -0.05));
+    floor.mass = 0;
+    floor.surface = &slab;
+    BodyRecord ball = ball_at(1, Vec3(0, 0, ball_radius));
+    ball.material = 1;
+    const MadeRun run({frame_of({floor, ball})}, about);
+    const Overview overview = look_over(run);
+    RenderOptions options = plain_options(false);
+    options.labels = true;
+    options.camera = "iso";
+    options.field = "material";
+    Image image = RunPainter(run, overview, options).paint(0);
+    const double size = options.height / 38.0;
+    const auto is_paper = [&](double x, double y) {
+      const std::uint8_t* p = image.at(static_cast<int>(x), static_cast<int>(y));
+      return p[0] == 247 && p[1] == 248 && p[2] == 250;
+    };
+    CHECK(is_paper(0.6 * size, options.height - 0.7 * size));  // beside and above the words
+    CHECK(is_paper(0.6 * size, options.height - 4.4 * size));
+    CHECK(!is_paper(options.width - 10, options.height - 10));  // the floor is elsewhere
+  }
 }

@@ -8,6 +8,7 @@
 
 #include "engine/units/error.h"
 #include "viz_export/files/json_reader.h"
+#include "viz_export/files/page_target.h"
 #include "viz_export/files/run_folder.h"
 #include "viz_export/files/side_file.h"
 #include "viz_export/hdf5/stored_run.h"
@@ -316,6 +317,8 @@ fs::path write_report(const fs::path& folder, const fs::path& wanted) {
   const bool is_run = fs::exists(folder / "run.h5") || fs::exists(folder / "summary.json");
   if (!is_run && has_tables(folder)) return write_folder_report(folder, wanted);
   if (!is_run) throw FileError(no_run_text(folder, "report"));
+  const fs::path target = wanted.empty() ? folder / "report.html" : wanted;
+  require_page_target(target);
   const auto source = open_run(folder, "report");
   const FlatJson summary = run_facts(folder, *source);
   const StoredRun run(folder / "run.h5");
@@ -333,7 +336,6 @@ fs::path write_report(const fs::path& folder, const fs::path& wanted) {
   settings(page);
   if (!page.drawn) page.html += "<p class='no'>gnuplot is not installed: the curves are missing.</p>";
   fs::remove_all(folder / "report.part");
-  fs::path target = wanted.empty() ? folder / "report.html" : wanted;
   write_whole_file(target,
                    {"<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
                     "content='width=device-width'><title>",

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "engine/units/error.h"
+#include "viz_export/files/json_reader.h"
+#include "viz_export/files/page_target.h"
 #include "viz_export/files/run_folder.h"
 #include "viz_export/files/side_file.h"
 #include "viz_export/report/html_text.h"
@@ -78,6 +80,24 @@ std::string pictures_of(const std::vector<fs::path>& cases) {
   return html.empty() ? html : "<h2>How the cases ended</h2><div class='grid three'>" + html + "</div>";
 }
 
+/// Of a chart or limits by their JSON, of a patch by its maps, as HTML; "": there is none.
+std::string title_of(const fs::path& folder) {
+  for (const char* name : {"chart.json", "limits.json"})
+    if (fs::exists(folder / name)) return html_escaped(flat_json(read_whole_file(folder / name)).text("title"));
+  constexpr std::string_view open = "<title>", close = "</title>";
+  for (const fs::path& map : files_with(folder, ".svg")) {
+    const std::string text = read_whole_file(map).substr(0, 2000);
+    const std::size_t from = text.find(open), to = text.find(close);
+    if (from == text.npos || to == text.npos || to < from) continue;
+    const std::string title = text.substr(from + open.size(), to - from - open.size());
+    if (title != "Gnuplot") return title;
+  }
+  return {};
+}
+
+/// What belongs to the chart above it: its points, or those of the limits.
+bool is_study(const fs::path& table) { return table.stem() == "chart" || table.stem() == "limits"; }
+
 /// Charts and maps that lie in the folder; two in a row where there are several.
 std::string drawings_in(const fs::path& folder) {
   const std::vector<fs::path> all = files_with(folder, ".svg");
@@ -96,22 +116,26 @@ bool has_tables(const fs::path& folder) {
 }
 
 fs::path write_folder_report(const fs::path& folder, const fs::path& wanted) {
+  const fs::path target = wanted.empty() ? folder / "report.html" : wanted;
+  require_page_target(target);
   const std::string title = fs::absolute(folder).lexically_normal().filename().string();
   const std::vector<fs::path> folders = runs_in(folder);
   std::vector<ReportCase> cases;
   for (const fs::path& one : folders) cases.push_back(read_case(one));
-  const std::string scene = cases.empty() ? "" : cases.front().title;
-  std::string html = "<h1>" + html_escaped(scene.empty() ? title : scene) + "</h1>";
+  std::string scene = title_of(folder);
+  if (scene.empty() && !cases.empty()) scene = html_escaped(cases.front().title);
+  std::string html = "<h1>" + (scene.empty() ? html_escaped(title) : scene) + "</h1>";
   if (!cases.empty())
     html +=
         fmt::format("<p class='sub'>{}: {} case{}</p>", html_escaped(title), cases.size(), cases.size() > 1 ? "s" : "");
   const fs::path results = folder / "patch.csv";  // of `epafi patch --maps`: what the maps belong to
-  html += warnings_html(cases) + (fs::exists(results) ? csv_html(results) : "") + drawings_in(folder);
+  html += (fs::exists(results) ? csv_html(results) : "") + drawings_in(folder) + warnings_html(cases);
+  for (const fs::path& table : files_with(folder, ".csv"))
+    if (is_study(table)) html += csv_html(table);
   if (!cases.empty()) html += cases_html(cases) + pictures_of(folders);
   for (const fs::path& table : files_with(folder, ".csv")) {
-    if (table != results) html += csv_html(table);
+    if (table != results && !is_study(table)) html += csv_html(table);
   }
-  const fs::path target = wanted.empty() ? folder / "report.html" : wanted;
   write_whole_file(target, {"<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
                             "content='width=device-width'><title>",
                             html_escaped(title), "</title>", report_style, "</head><body>", html, "</body></html>\n"});

@@ -13,13 +13,39 @@
 namespace epafi {
 namespace {
 
-constexpr std::size_t most_rows = 500;  // of a table; the CSV has them all
-constexpr std::size_t open_rows = 60;   // longer tables are folded up
+constexpr std::size_t most_rows = 500;    // of a table; the CSV has them all
+constexpr std::size_t open_rows = 60;     // longer tables are folded up
+constexpr std::size_t longest_line = 40;  // characters of a cell; longer ones are broken between words
 
 bool is_number(const std::string& text) {
   double value = 0;
   const char* end = text.data() + text.size();
   return !text.empty() && std::from_chars(text.data(), end, value).ptr == end;
+}
+
+/// Six digits of what has more; whole numbers as they are.
+std::string shortened(const std::string& number) {
+  constexpr std::size_t few = 7;  // characters
+  const bool whole = number.find_first_not_of("-0123456789") == number.npos;
+  double value = 0;
+  std::from_chars(number.data(), number.data() + number.size(), value);
+  return whole || number.size() <= few ? number : fmt::format("{:.6g}", value);
+}
+
+/// Takes out the columns that say nothing, or one thing in all of several rows; what they said, for below the table.
+std::string take_out_constants(std::vector<TableColumn>& columns) {
+  std::string same, nothing;
+  std::erase_if(columns, [&](const TableColumn& column) {
+    const bool says = column.says_something();
+    if (says && (column.differs() || column.cells.size() < 2)) return false;
+    std::string& list = says ? same : nothing;
+    list += (list.empty() ? "" : ", ") + column.head + (says ? " = " + column.cells.front() : "");
+    return true;
+  });
+  std::string html;
+  if (!same.empty()) html += "<p class='sub'>The same in all rows: " + html_escaped(same) + "</p>";
+  if (!nothing.empty()) html += "<p class='sub'>Empty in all rows: " + html_escaped(nothing) + "</p>";
+  return html;
 }
 
 /// Fields of a line; quotes as in RFC 4180, without line breaks inside.
@@ -78,7 +104,7 @@ bool TableColumn::is_numeric() const {
 std::string table_html(const std::vector<TableColumn>& columns, std::size_t most, const std::string& empty) {
   std::vector<const char*> kind;
   std::size_t rows = 0;
-  std::string html = "<div style='overflow-x:auto'><table><tr>";
+  std::string html = "<div class='wide'><table class='data'><tr>";
   for (const TableColumn& column : columns) {
     kind.push_back(column.is_numeric() ? " class='n'" : "");
     rows = std::max(rows, column.cells.size());
@@ -89,7 +115,9 @@ std::string table_html(const std::vector<TableColumn>& columns, std::size_t most
     html += "<tr>";
     for (std::size_t c = 0; c < columns.size(); ++c) {
       const std::string& cell = columns[c].cells[row];
-      html += fmt::format("<td{}>{}</td>", kind[c], html_escaped(cell.empty() ? empty : cell));
+      const std::string text = html_escaped(cell.empty() ? empty : cell);
+      html += cell.size() > longest_line ? "<td><div class='long'>" + text + "</div></td>"
+                                         : fmt::format("<td{}>{}</td>", kind[c], text);
     }
     html += "</tr>";
   }
@@ -98,7 +126,13 @@ std::string table_html(const std::vector<TableColumn>& columns, std::size_t most
 
 std::string csv_html(const std::filesystem::path& path) {
   std::size_t rows = 0;
-  std::string html = table_html(csv_columns(path, rows), most_rows, "");
+  std::vector<TableColumn> columns = csv_columns(path, rows);
+  for (TableColumn& column : columns)
+    if (column.is_numeric())
+      for (std::string& cell : column.cells)
+        if (!cell.empty()) cell = shortened(cell);
+  const std::string below = rows > 0 && rows <= most_rows ? take_out_constants(columns) : "";
+  std::string html = (columns.empty() ? "" : table_html(columns, most_rows, "")) + below;
   if (rows > most_rows) html += fmt::format("<p class='sub'>{} of {} rows</p>", most_rows, rows);
   if (rows > open_rows) html = fmt::format("<details><summary>{} rows</summary>{}</details>", rows, html);
   return "<h2>" + html_escaped(path.filename().string()) + "</h2>" + html;

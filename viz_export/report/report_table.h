@@ -14,10 +14,11 @@ struct TableColumn {
   bool is_numeric() const;  ///< it says numbers only
 };
 
-/// The first `most` rows; `empty` stands for what is not said.
+/// The first `most` rows, in a box that is moved sideways where they are wide; `empty` stands for what is not said.
 std::string table_html(const std::vector<TableColumn>& columns, std::size_t most, const std::string& empty);
 
-/// A CSV file with its name above; a long one is folded up, a very long one cut, and says so.
+/// A CSV file with its name above, numbers to six digits; what is the same in all rows, or in none, stands in one line
+/// below. A long one is folded up, a very long one cut, and says so.
 std::string csv_html(const std::filesystem::path& path);
 
 }  // namespace epafi

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "engine/units/error.h"
+#include "viz_export/files/page_target.h"
 #include "viz_export/files/side_file.h"
 #include "viz_export/report/html_text.h"
 #include "viz_export/view/pack.h"
@@ -132,6 +133,7 @@ std::string complete_page(const ViewSource& source, std::size_t most_bytes, Writ
 }
 
 WrittenPage write_page(const ViewSource& source, const std::filesystem::path& target, std::size_t most_bytes) {
+  require_page_target(target);
   WrittenPage about;
   write_whole_file(target, {complete_page(source, most_bytes, about)});
   return about;

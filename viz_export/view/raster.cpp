@@ -57,7 +57,9 @@ SampleBox clamped(float x0, float x1, float y0, float y1, const Layer& layer) {
           limit(std::ceil(y1) + 1, layer.h)};
 }
 
-void draw_ball(const V3& c, float r, std::uint32_t thing, const Lens& lens, Layer& layer) {
+/// f(x, y, depth) of each sample of the layer that shows the ball.
+template <class F>
+void each_of_ball(const V3& c, float r, const Lens& lens, const Layer& layer, const F& f) {
   if (c.z() <= r * 1.001f) return;
   const float reach = lens.scale * r / (c.z() - r);
   const float px = lens.cx + lens.scale * c.x() / c.z(), py = lens.cy - lens.scale * c.y() / c.z();
@@ -72,10 +74,7 @@ void draw_ball(const V3& c, float r, std::uint32_t thing, const Lens& lens, Laye
       const float under = along * along - square * rest;
       if (under < 0) continue;
       const float depth = (along - std::sqrt(under)) / square;
-      const std::size_t k = layer.at(x, y);
-      if (depth >= layer.depth[k]) continue;
-      layer.depth[k] = depth;
-      layer.thing[k] = thing;
+      f(x, y, depth);
     }
   }
 }
@@ -137,9 +136,12 @@ class Painter {
                                    static_cast<float>(background[2]))) {}
 
   void find_nearest() {
-    for (std::size_t k = 0; k < scene_.balls.size(); ++k)
-      draw_ball(lens_.seen(scene_.balls[k].centre), scene_.balls[k].radius, static_cast<std::uint32_t>(k), lens_,
-                layer_);
+    for (std::size_t k = 0; k < scene_.balls.size(); ++k) {
+      const DrawnBall& ball = scene_.balls[k];
+      if (ball.opacity >= 1)
+        each_of_ball(lens_.seen(ball.centre), ball.radius, lens_, layer_,
+                     [&](int x, int y, float depth) { put(k, x, y, depth); });
+    }
     const std::size_t first = scene_.balls.size();
     for (std::size_t k = 0; k < scene_.triangles.size(); ++k)
       if (scene_.triangles[k].opacity >= 1) mark(corners_of(scene_.triangles[k]).data(), first + k);
@@ -156,6 +158,15 @@ class Painter {
   }
 
   void lay_over() {
+    for (const DrawnBall& ball : scene_.balls) {
+      if (ball.opacity >= 1) continue;
+      const V3 centre = lens_.seen(ball.centre);
+      each_of_ball(centre, ball.radius, lens_, layer_, [&](int x, int y, float depth) {
+        const std::size_t k = layer_.at(x, y);
+        if (depth < layer_.depth[k])
+          colour_[k] += ball.opacity * (lit(ball.colour, normal_of(ball, centre, x, y, depth)) - colour_[k]);
+      });
+    }
     for (const DrawnTriangle& t : scene_.triangles) {
       if (t.opacity >= 1) continue;
       FlatTriangle flat{};
@@ -189,12 +200,15 @@ class Painter {
   void mark(const V3 p[3], std::size_t thing) {
     FlatTriangle flat{};
     if (!flat.set(p, lens_)) return;
-    flat.each(layer_, [&](int x, int y, const V3&, float depth) {
-      const std::size_t k = layer_.at(x, y);
-      if (depth >= layer_.depth[k]) return;
-      layer_.depth[k] = depth;
-      layer_.thing[k] = static_cast<std::uint32_t>(thing);
-    });
+    flat.each(layer_, [&](int x, int y, const V3&, float depth) { put(thing, x, y, depth); });
+  }
+
+  /// Where nothing nearer is.
+  void put(std::size_t thing, int x, int y, float depth) {
+    const std::size_t k = layer_.at(x, y);
+    if (depth >= layer_.depth[k]) return;
+    layer_.depth[k] = depth;
+    layer_.thing[k] = static_cast<std::uint32_t>(thing);
   }
 
   void mark_line(const DrawnLine& line, std::size_t thing) {
@@ -216,14 +230,19 @@ class Painter {
     return n.z() < 0 ? V3(-n) : n;
   }
 
+  V3 normal_of(const DrawnBall& ball, const V3& centre, int x, int y, float depth) const {
+    const float px = static_cast<float>(x) + 0.5f, py = static_cast<float>(y) + 0.5f;
+    const V3 hit((px - lens_.cx) / lens_.scale * depth, (lens_.cy - py) / lens_.scale * depth, depth);
+    const V3 n = (hit - centre) / ball.radius;
+    return {n.x(), n.y(), -n.z()};
+  }
+
   V3 colour_of(std::uint32_t thing, int x, int y, float depth) const {
     const float px = static_cast<float>(x) + 0.5f, py = static_cast<float>(y) + 0.5f;
     std::size_t k = thing;
     if (k < scene_.balls.size()) {
       const DrawnBall& ball = scene_.balls[k];
-      const V3 hit((px - lens_.cx) / lens_.scale * depth, (lens_.cy - py) / lens_.scale * depth, depth);
-      const V3 n = (hit - lens_.seen(ball.centre)) / ball.radius;
-      return lit(ball.colour, {n.x(), n.y(), -n.z()});
+      return lit(ball.colour, normal_of(ball, lens_.seen(ball.centre), x, y, depth));
     }
     k -= scene_.balls.size();
     if (k < scene_.triangles.size()) {

@@ -13,6 +13,7 @@ struct DrawnBall {
   Eigen::Vector3f centre;
   float radius;
   Rgb colour;
+  float opacity = 1;  ///< 1 hides what is behind it
 };
 
 struct DrawnTriangle {

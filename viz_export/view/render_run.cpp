@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <set>
 
@@ -19,7 +20,8 @@ constexpr Rgb paper{0.969, 0.973, 0.980}, ink{0.11, 0.14, 0.19}, wall_colour{0.7
     ground_colour{0.86, 0.88, 0.90}, spring_colour{0.2, 0.2, 0.2}, wall_edge{0.62, 0.65, 0.70},
     ground_edge{0.45, 0.48, 0.54};
 constexpr std::ptrdiff_t most_outlined = 400;  // free bodies; among more of them lines would hide the colours
-constexpr float wall_opacity = 0.22f;
+constexpr double widest_part = 0.42;           // of a radius: half the width of a ribbon of contacts
+constexpr float wall_opacity = 0.22f, pale_opacity = 0.15f;  // of walls; of free bodies around their contacts
 
 ViewField find_field(const ViewSource& source, const std::string& name) {
   const std::string wanted = !name.empty() ? name : source.about().view.field;
@@ -78,12 +80,27 @@ double mean_radius(const ViewFrame& frame) {
   return count > 0 ? sum / count : 0.0;
 }
 
+/// The body's record; the end where it is not in the frame.
+std::vector<BodyRecord>::const_iterator record_of(const ViewFrame& frame, std::uint32_t id) {
+  const auto row = std::lower_bound(frame.bodies.begin(), frame.bodies.end(), id,
+                                    [](const BodyRecord& b, std::uint32_t wanted) { return b.id < wanted; });
+  return row != frame.bodies.end() && row->id == id ? row : frame.bodies.end();
+}
+
+/// The strongest are the widest: no wider than 0.42 of the mean body, and of the smaller one of the two
+/// (page/lines.js).
 void add_contacts(const ViewFrame& frame, double strongest, DrawnScene& out) {
-  const auto widest = static_cast<float>(0.42 * mean_radius(frame));
+  const double widest = widest_part * mean_radius(frame);
+  const auto radius_of = [&](std::uint32_t id) {
+    const auto body = record_of(frame, id);
+    const bool limits = body != frame.bodies.end() && !body->is_wall() && body->radius > 0;
+    return limits ? body->radius : std::numeric_limits<double>::infinity();
+  };
   for (const StoredContact& c : frame.contacts) {
     const double share = std::min(1.0, std::abs(c.normal_force) / std::max(strongest, 1e-300));
-    const auto width = static_cast<float>(std::max(0.06, std::sqrt(share))) * widest;
-    out.lines.push_back({c.from, c.to, width, inferno(0.15 + 0.75 * share)});
+    const double most = widest_part * std::min(radius_of(c.a), radius_of(c.b));
+    const double width = std::min(std::max(0.06, std::sqrt(share)) * widest, most);
+    out.lines.push_back({c.from, c.to, static_cast<float>(width), inferno(0.15 + 0.75 * share)});
   }
 }
 
@@ -115,19 +132,14 @@ void add_spring(const Vec3& from, const Vec3& to, double widest, DrawnScene& out
 /// Springs from the attachment to the other body's centre; those without one hang on a short line.
 void add_springs(const ViewFrame& frame, const RunAbout& about, DrawnScene& out) {
   const double widest = 0.25 * mean_radius(frame);
-  const auto row_of = [&](std::uint32_t id) {
-    return std::lower_bound(frame.bodies.begin(), frame.bodies.end(), id,
-                            [](const BodyRecord& b, std::uint32_t wanted) { return b.id < wanted; });
-  };
-  const auto is_there = [&](auto row, std::uint32_t id) { return row != frame.bodies.end() && row->id == id; };
   for (const auto& spring : about.springs) {
-    const auto a = row_of(spring.body);
-    if (!is_there(a, spring.body)) continue;
+    const auto a = record_of(frame, spring.body);
+    if (a == frame.bodies.end()) continue;
     const Vec3 from = a->pose.to_world(spring.attachment);
     Vec3 to = from + 4 * widest * upwards(about);
     if (spring.to) {
-      const auto b = row_of(*spring.to);
-      if (!is_there(b, *spring.to)) continue;
+      const auto b = record_of(frame, *spring.to);
+      if (b == frame.bodies.end()) continue;
       to = b->pose.position;
     }
     add_spring(from, to, widest, out);
@@ -165,7 +177,10 @@ RunPainter::RunPainter(const ViewSource& source, const Overview& overview, const
       camera_(choose_camera(options.camera, source.about(), overview.box,
                             static_cast<double>(options.width) / options.height)),
       above_ground_(upwards(source.about()).dot(camera_.eye) > overview.ground_top),
-      meshes_(source.bodies()) {}
+      meshes_(source.bodies()) {
+  const auto is_free = [](const BodyRecord& b) { return !b.is_wall(); };
+  some_free_ = std::any_of(source.bodies().begin(), source.bodies().end(), is_free);
+}
 
 Rgb RunPainter::colour_of(const BodyRecord& body, float value) const {
   if (field_.kind == ViewField::Kind::category) return kind_colour(static_cast<std::size_t>(value));
@@ -207,12 +222,14 @@ void RunPainter::add_body(const BodyRecord& b, float value, bool edges, DrawnSce
     for (std::size_t part = 0; part < 3; ++part) colour[part] = 0.85 * paper[part] + 0.15 * colour[part];
   const MeshStore::Copy copy = meshes_.of(b.surface);
   if (copy.mesh < 0) {
-    if (std::isfinite(b.radius) && b.radius > 0 && !options_.contacts)
-      out.balls.push_back({b.pose.position.cast<float>(), static_cast<float>(b.radius), colour});
+    const bool pale = options_.contacts && !b.is_wall();
+    if (std::isfinite(b.radius) && b.radius > 0)
+      out.balls.push_back(
+          {b.pose.position.cast<float>(), static_cast<float>(b.radius), colour, pale ? pale_opacity : 1.0f});
     return;
   }
   const bool translucent = b.is_wall() && some_free_ && !is_solid(b);
-  const float opacity = translucent ? wall_opacity : options_.contacts && !b.is_wall() ? 0.15f : 1.0f;
+  const float opacity = translucent ? wall_opacity : options_.contacts && !b.is_wall() ? pale_opacity : 1.0f;
   const MeshLook look{copy.scale, colour, opacity, camera_.eye.cast<float>()};
   add_mesh(meshes_.all()[static_cast<std::size_t>(copy.mesh)], b, look, out);
   const bool has_edges = b.is_wall() ? !std::isinf(b.radius) : edges;
@@ -224,8 +241,6 @@ void RunPainter::add_body(const BodyRecord& b, float value, bool edges, DrawnSce
 Image RunPainter::paint(std::size_t k) {
   const ViewFrame frame = source_.frame(k);
   const std::vector<float> values = FrameFields(frame, source_.about())(field_.name);
-  const auto is_free = [](const BodyRecord& b) { return !b.is_wall(); };
-  some_free_ = std::any_of(frame.bodies.begin(), frame.bodies.end(), is_free);
   const auto outlined = std::count_if(frame.bodies.begin(), frame.bodies.end(),
                                       [](const BodyRecord& b) { return !b.is_wall() && b.surface != nullptr; });
   DrawnScene scene;
@@ -272,6 +287,12 @@ void RunPainter::kinds(Image& image, double size) const {
   constexpr std::size_t most = 8;
   const int side = static_cast<int>(0.8 * size), x = static_cast<int>(0.9 * size);
   double y = image.height - 1.2 * size;
+  double widest = text_width(field_.label, size);
+  for (const std::size_t kind : seen)
+    widest = std::max(widest, 1.4 * side + text_width(fitting(kind_name(kind), size, 0.4 * image.width), size));
+  const double rows = 1.0 + static_cast<double>(std::min(most, seen.size()));
+  const int high = static_cast<int>(1.3 * size * rows + 0.6 * size), edge = static_cast<int>(0.4 * size);
+  fill_box(image, x - edge, image.height - high - edge, static_cast<int>(widest) + 2 * edge, high, paper);
   std::size_t shown = 0;
   for (auto kind = seen.rbegin(); kind != seen.rend(); ++kind) {
     if (++shown > most) break;

@@ -45,7 +45,7 @@ class RunPainter {
   std::optional<std::array<double, 2>> range_;  ///< none: there is no value
   Camera camera_;
   bool above_ground_;      ///< the eye
-  bool some_free_ = true;  ///< in the frame that is being painted
+  bool some_free_ = true;  ///< in any frame: walls are seen through even where all bodies have gone
   MeshStore meshes_;
   std::map<std::int32_t, std::vector<std::uint32_t>> edges_;  ///< of each mesh
 };

@@ -32,12 +32,13 @@ class Ribbons {
 }
 
 // Width by the square root of the force, so that weak chains are still seen; the widest has `widest` metres each side.
+// No ribbon is wider than that part of the smaller body: limitOf tells it of a body.
 // residual: the range of its colours, in place of those of the force.
-function contactSizes(contacts, strongest, widest, residual) {
+function contactSizes(contacts, strongest, widest, limitOf, residual) {
   const sizes = new Float32Array(2 * contacts.n);
   for (let k = 0; k < contacts.n; ++k) {
     const share = Math.min(1, contacts.force[k] / strongest);
-    sizes[2 * k] = widest * Math.max(0.06, Math.sqrt(share));
+    sizes[2 * k] = Math.min(widest * Math.max(0.06, Math.sqrt(share)), limitOf(contacts.a[k]), limitOf(contacts.b[k]));
     const coloured = residual ? Math.min(1, contacts.residual[k] / residual[1]) : share;
     sizes[2 * k + 1] = 0.15 + 0.75 * coloured;
   }

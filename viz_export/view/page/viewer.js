@@ -267,7 +267,9 @@ class Viewer {
     const contacts = el("contacts").checked && this.frame.contacts;
     const none = new Float32Array(0);
     const residual = contacts && contacts.residual && this.field().name === "residual" && this.range ? this.range : null;
-    if (contacts) this.contacts.show(contacts.n, contacts.from, contacts.to, contactSizes(contacts, strongest || 1, 0.42 * this.size, residual));
+    const { radius, wall } = this.source.bodies;
+    const limitOf = (id) => (!wall[id] && radius[id] > 0 ? 0.42 * radius[id] : Infinity);
+    if (contacts) this.contacts.show(contacts.n, contacts.from, contacts.to, contactSizes(contacts, strongest || 1, 0.42 * this.size, limitOf, residual));
     else this.contacts.show(0, none, none, none);
     showForceLegend(contacts, residual ? "residual of a contact" : "contact force [N]", residual || (strongest > 0 ? [0, strongest] : null));
     const speed = (this.manifest.fields.find((f) => f.name === "speed").range || [0, 0])[1];
