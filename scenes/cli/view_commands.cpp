@@ -27,6 +27,10 @@ namespace fs = std::filesystem;
 
 void tell(const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str()); }
 
+void tell_warnings(const ViewSource& source) {
+  for (const std::string& warning : source.warnings()) tell("epafi: warning: " + warning);
+}
+
 /// The first state of a scene. The assembly and its surfaces stay as long as the source.
 class FirstState {
  public:
@@ -60,6 +64,7 @@ void open_browser(const std::string& address) {
 int write_file(const ViewSource& source, const std::string& target) {
   const WrittenPage page = write_page(source, target);
   for (const std::string& note : page.notes) tell("epafi: note: " + note);
+  tell_warnings(source);
   tell(fmt::format("{}: {} frames, {:.1f} MB", target, source.times().size(), 1e-6 * static_cast<double>(page.bytes)));
   return exit_done;
 }
@@ -112,6 +117,7 @@ int command_render(const RenderRequest& request) {
   if (!is_film && request.every) throw SceneError("--every is for a film (.mp4, .webm), not for a picture");
   if (is_film) {
     const std::size_t pictures = render_film(*source, options, request.every.value_or(1), target);
+    tell_warnings(*source);
     tell(fmt::format("{}: {} picture{}, {:.3g} s at 25 per second", target.string(), pictures, pictures > 1 ? "s" : "",
                      static_cast<double>(pictures) / 25));
     return exit_done;
@@ -120,6 +126,7 @@ int command_render(const RenderRequest& request) {
   if (request.time && (*request.time < times.front() || *request.time > times.back()))
     tell(fmt::format("epafi: note: the run has frames from {:.4g} to {:.4g} s", times.front(), times.back()));
   render_picture(*source, options, frame, target);
+  tell_warnings(*source);
   tell(fmt::format("{}: t = {} s", target.string(), time_text(times, times[frame])));
   return exit_done;
 }

@@ -185,6 +185,44 @@ TEST_CASE("pages are written over pages alone, and no output over its input", "[
   }
 }
 
+TEST_CASE("what is damaged beside a whole run.h5 is told, and the rest shown", "[scenes][view]") {
+  const RenderedRun r;
+  std::mt19937 random(23);
+  const std::string said = (r.folder / "said").string(), run = r.run.string();
+  const std::string picture = " --size 64x48 --out " + (r.folder / "a.png").string() + " 2> " + said;
+  std::vector<fs::path> contacts;
+  for (const auto& file : fs::directory_iterator(r.run / "frames"))
+    if (file.path().filename().string().starts_with("contacts")) contacts.push_back(file.path());
+  REQUIRE(contacts.size() > 3);
+  for (int k = 0; k < 4; ++k) {
+    const fs::path damaged = k == 3 ? r.run / "frames.pvd" : contacts[random() % contacts.size()];
+    const std::string before = support::read_text(damaged);
+    std::ofstream(damaged) << before.substr(0, random() % 60);
+    INFO(damaged.string());
+    CHECK(call_program("render " + run + picture) == 0);
+    const std::string told = support::read_text(said);
+    CHECK(told.find(damaged.string()) != std::string::npos);
+    CHECK(told.find("shown without contacts") != std::string::npos);
+    CHECK(call_program("report " + run + " 2> " + said) == 0);
+    CHECK(support::read_text(r.run / "report.html").find("shown without contacts") != std::string::npos);
+    std::ofstream(damaged) << before;
+  }
+  const std::string summary = support::read_text(r.run / "summary.json");
+  for (const std::string& text : {std::string(), std::string("[]"), std::string("5"), std::string("{\"status\": 5}"),
+                                  std::string("\"text\""), summary.substr(0, 1 + random() % (summary.size() - 2))}) {
+    std::ofstream(r.run / "summary.json") << text;
+    INFO(text);
+    CHECK(call_program("report " + run + " 2> " + said) == 0);
+    const std::string page = support::read_text(r.run / "report.html");
+    CHECK(page.find("summary.json") != std::string::npos);
+    CHECK(page.find("comes from the other files of the run") != std::string::npos);
+    CHECK(page.find("Two boxes on each other") != std::string::npos);
+  }
+  std::ofstream(r.run / "summary.json") << summary;
+  CHECK(call_program("render " + run + picture) == 0);
+  CHECK(support::read_text(said).find("warning") == std::string::npos);
+}
+
 TEST_CASE("what contacts have of the residual adds up to that of the step", "[scenes][view]") {
   // two sweeps leave a stack of three open; the only step's residual is the largest of the run
   const RenderedRun r("--set run.duration=0.01 --set run.output_interval=0.01");

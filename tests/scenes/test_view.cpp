@@ -400,6 +400,27 @@ TEST_CASE("the local server gives a run to the browser of this machine alone", "
   CHECK(b.complaints().size() == 1);  // of that answer
 }
 
+TEST_CASE("a page whose server has ended says so, and its slider stays with the picture", "[scenes][view][long]") {
+  if (!has_browser()) return;
+  const ShownRun shown;
+  const Background server(shown.folder.path(), "view", "view " + shown.run.string() + " --port 0 --no-browser");
+  support::Browser b(800, 600);
+  REQUIRE(b.open(server.word()));
+  b.press("ArrowRight");
+  REQUIRE(b.wait_for("epafi.at === 1"));
+  server.stop();
+  ::usleep(500000);
+  b.text("epafi.source.kept.clear(), ''");  // as in a long run, whose frames lie in many chunks
+  for (const char* key : {"End", "ArrowRight", " "}) {
+    b.press(key);
+    CHECK(b.wait_for("document.getElementById('notes').textContent.includes('the server does not answer')"));
+    ::usleep(300000);
+    CHECK(b.number("Number(document.getElementById('time').value)") == 1);
+    CHECK(b.number("epafi.at") == 1);
+    CHECK(b.wait_for("!epafi.playing"));  // who plays stops at the next frame
+  }
+}
+
 TEST_CASE("the page follows a run that goes on, and sees its end", "[scenes][view][long]") {
   if (!has_browser()) return;
   const TemporaryFolder folder;
@@ -417,6 +438,11 @@ TEST_CASE("the page follows a run that goes on, and sees its end", "[scenes][vie
   REQUIRE(b.wait_for("epafi.source.frames > " + std::to_string(first) + " + 2"));
   CHECK(b.wait_for("Number(document.getElementById('time').max) === epafi.source.frames - 1"));
   CHECK(b.number("epafi.at") == 0);  // who looks at an early frame goes on looking at it
+  const std::string last_drawn = "document.querySelector('#measure-plot path').getAttribute('d').match(/[ML]/g).length";
+  const double drawn = b.number(last_drawn);
+  CHECK(b.wait_for(last_drawn + " > " + std::to_string(drawn)));  // its curves go on all the same
+  CHECK(b.wait_for("document.getElementById('notes').textContent.includes('End goes to the last one and follows')"));
+  CHECK(b.number("epafi.at") == 0);
   b.press("End");
   REQUIRE(b.wait_for("epafi.at > 2"));
   const double last = b.number("epafi.at");

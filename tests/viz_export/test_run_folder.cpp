@@ -67,6 +67,33 @@ TEST_CASE("rows of measures are read back as they were written, whatever their n
   CHECK(measure_rows(folder / "none.csv").empty());
 }
 
+TEST_CASE("garbled rows of measures are counted, with the line of the first", "[viz_export][measure_rows]") {
+  std::mt19937 random(6);
+  for (int k = 0; k < 20; ++k) {
+    const TemporaryFolder folder;
+    const std::vector<std::string> wrong{"0.1,a,x,1e", "zero,a,x,1", "0.1,x,1", "\x01\xff", "0.1;a;x;1", ""};
+    std::size_t first = 0, count = 0;
+    {
+      std::ofstream out(folder / "progress.csv");
+      out << "time,measure,component,value\n";
+      for (std::size_t line = 2; line < 60; ++line) {
+        const bool bad = k > 0 && random() % 20 == 0;
+        first = bad && count == 0 ? line : first;
+        count += bad ? 1 : 0;
+        out << (bad ? wrong[random() % wrong.size()] : "0.1,a,x," + std::to_string(line)) << "\n";
+      }
+      out << "0.1,a,";  // torn: no fault
+    }
+    GarbledRows garbled;
+    CHECK(measure_rows(folder / "progress.csv", 0.0, &garbled).size() == 58 - count);
+    CHECK(garbled.count == count);
+    CHECK(garbled.first_line == first);
+    const std::string text = garbled.text(folder / "progress.csv");
+    CHECK(text.empty() == (count == 0));
+    if (count > 0) CHECK_THAT(text, Contains("progress.csv:" + std::to_string(first) + ": "));
+  }
+}
+
 TEST_CASE("a run file cut at any place is told in plain words, with what still serves", "[viz_export][damaged]") {
   const TemporaryFolder folder;
   const fs::path path = folder / "run.h5";

@@ -1,6 +1,7 @@
 // The page of `epafi view` in a real browser on a made run of two frames: camera of the scene, arrows, springs, lists
 // of bodies and materials, the plot of a measure, the ground, light and dark, fingers.
 #include <cmath>
+#include <random>
 #include <sstream>
 
 #include "tests/support/browser.h"
@@ -170,6 +171,31 @@ TEST_CASE("a measure is plotted with quantity and unit, its cursor at the slider
   REQUIRE(b.wait_for("epafi.at === 1"));
   CHECK(b.number(now + ".getAttribute('x1')") == Approx(left + width));
   CHECK(b.text("document.getElementById('clock').textContent") == "t = 2 s");
+}
+
+TEST_CASE("every curve of a plot is named, beside the others and within the plot", "[viz_export][view][long]") {
+  if (!page_can_be_opened()) return;
+  OpenPage page;
+  support::Browser& b = page.b;
+  std::mt19937 random(11);
+  for (int k = 0; k < 12; ++k) {
+    std::string lines, names;
+    const int count = 1 + static_cast<int>(random() % 9);
+    for (int c = 0; c < count; ++c) {
+      std::string name = "c" + std::to_string(c);
+      for (std::size_t letters = random() % 40; letters > 0; --letters) name += static_cast<char>('a' + random() % 26);
+      lines += "{label:'" + name + "',x:[0,1],y:[" + std::to_string(c) + ",2]},";
+    }
+    b.text("epafi.plots = [{name:'p',label:'q [m]',lines:[" + lines + "]}], epafi.showMeasure(), ''");
+    const std::string all = "[...document.querySelectorAll('#measure-plot .curve')]";
+    CHECK(b.number(all + ".length") == count);
+    CHECK(b.text("String(" + all +
+                 ".map(t => t.getBBox()).every((p, k, all) => p.x >= 0 && p.x + p.width <= 264 &&"
+                 " all.every((q, j) => j === k || p.x + p.width < q.x || q.x + q.width < p.x ||"
+                 " p.y + 9 < q.y || q.y + 9 < p.y)))") == "true");
+    CHECK(b.text("String(new Set([...document.querySelectorAll('#measure-plot path')].map(p =>"
+                 " p.getAttribute('stroke') + p.getAttribute('stroke-dasharray'))).size)") == std::to_string(count));
+  }
 }
 
 TEST_CASE("dark and light can be chosen; a finger that taps picks", "[viz_export][view][long]") {

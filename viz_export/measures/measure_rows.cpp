@@ -34,7 +34,14 @@ std::optional<MeasureRow> measure_row(const std::string& line) {
   return row;
 }
 
-std::vector<MeasureRow> measure_rows(const std::filesystem::path& path, double after) {
+std::string GarbledRows::text(const std::filesystem::path& path) const {
+  if (count == 0) return {};
+  const std::string place = first_line > 0 ? ":" + std::to_string(first_line) : "";
+  const std::string more = count > 1 ? " (and " + std::to_string(count - 1) + " more such lines)" : "";
+  return path.string() + place + ": no row 'time,measure,component,value'" + more + "; it is left out";
+}
+
+std::vector<MeasureRow> measure_rows(const std::filesystem::path& path, double after, GarbledRows* garbled) {
   constexpr std::uintmax_t most = 8 << 20;
   std::vector<MeasureRow> out;
   std::error_code none;
@@ -46,8 +53,11 @@ std::vector<MeasureRow> measure_rows(const std::filesystem::path& path, double a
     in.seekg(static_cast<std::streamoff>(size - most));
     std::getline(in, line);
   }
-  while (std::getline(in, line) && !in.eof()) {  // at eof the line is not whole yet
+  const bool from_start = size <= most;
+  for (std::size_t number = 1; std::getline(in, line) && !in.eof(); ++number) {  // at eof the line is not whole yet
     auto row = measure_row(line);
+    const bool is_head = from_start && number == 1;
+    if (!row && garbled != nullptr && !is_head && garbled->count++ == 0) garbled->first_line = from_start ? number : 0;
     if (row && row->time > after) out.push_back(std::move(*row));
   }
   return out;

@@ -17,9 +17,17 @@ struct MeasureRow {
 };
 [[nodiscard]] std::optional<MeasureRow> measure_row(const std::string& line);
 
+/// What is no row in a file of them, but its head and its last line, which may be torn.
+struct GarbledRows {
+  std::size_t count = 0, first_line = 0;  ///< line: from 1; 0 where the beginning of the file was passed over
+  /// "FILE:LINE: ..."; empty where all rows can be read.
+  [[nodiscard]] std::string text(const std::filesystem::path& path) const;
+};
+
 /// The rows after a time [s], in their order; of a very large file those of its last 8 MB. Empty where there is no
 /// file.
 [[nodiscard]] std::vector<MeasureRow> measure_rows(const std::filesystem::path& path,
-                                                   double after = -std::numeric_limits<double>::infinity());
+                                                   double after = -std::numeric_limits<double>::infinity(),
+                                                   GarbledRows* garbled = nullptr);
 
 }  // namespace epafi

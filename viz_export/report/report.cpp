@@ -326,6 +326,7 @@ fs::path write_report(const fs::path& folder, const fs::path& wanted) {
   Page page{folder, summary, run, *source};
   head(page);
   warnings(page);
+  const std::size_t below_warnings = page.html.size();
   acts(page);
   pictures(page, *source);
   three_dimensions(page, *source);
@@ -335,6 +336,9 @@ fs::path write_report(const fs::path& folder, const fs::path& wanted) {
   stages(page);
   settings(page);
   if (!page.drawn) page.html += "<p class='no'>gnuplot is not installed: the curves are missing.</p>";
+  std::string unread;  // what could not be read is known by now
+  for (const std::string& text : source->warnings()) unread += "<p class='warning'>" + escaped(text) + "</p>";
+  page.html.insert(below_warnings, unread);
   fs::remove_all(folder / "report.part");
   write_whole_file(target,
                    {"<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "engine/units/error.h"
 #include "viz_export/files/run_mark.h"
 
 namespace epafi {
@@ -35,17 +36,39 @@ void add_energies(const StoredMeasure& m, FlatJson& out) {
       out.numbers["energy." + m.components[c]] = value;
 }
 
+/// The summary where it is whole, else why it is not: it was cut, or is the JSON of something else.
+struct SummaryReading {
+  FlatJson summary;
+  std::string damage{};
+};
+
+SummaryReading read_summary(const fs::path& file) {
+  SummaryReading out;
+  try {
+    out.summary = read_json(file);
+    if (out.summary.text("status").empty()) out.damage = "'" + file.string() + "' names no status of a run";
+  } catch (const FileError& e) {
+    out.damage = e.what();
+  }
+  return out;
+}
+
 }  // namespace
 
 FlatJson run_facts(const fs::path& folder) {
-  if (fs::exists(folder / "summary.json")) return read_json(folder / "summary.json");
+  if (fs::exists(folder / "summary.json"))
+    if (SummaryReading read = read_summary(folder / "summary.json"); read.damage.empty()) return read.summary;
   return run_facts(folder, *open_run(folder, "report"));
 }
 
 FlatJson run_facts(const fs::path& folder, const ViewSource& source) {
   const RunState state = run_state(folder);
-  if (state.life == RunLife::over) return read_json(folder / "summary.json");
   FlatJson out;
+  if (state.life == RunLife::over) {
+    SummaryReading read = read_summary(folder / "summary.json");
+    if (read.damage.empty()) return read.summary;
+    out.texts["warnings.summary"] = read.damage + ": what is shown comes from the other files of the run";
+  }
   out.texts["status"] = state.life == RunLife::running ? "running" : "cut";
   out.numbers["simulated_time"] = source.last_time();
   if (!source.times().empty())

@@ -142,7 +142,8 @@ std::string Packer::manifest(const std::vector<std::string>& columns, const std:
   put_view(json, source_.about().view);
   put_measures(json, source_.measures());
   json.key("notes").begin_array();
-  for (const std::string& note : notes) json.value(note);
+  for (const auto& list : {notes, source_.warnings()})
+    for (const std::string& note : list) json.value(note);
   return json.end_array().end_object().text();
 }
 

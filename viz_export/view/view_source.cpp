@@ -7,9 +7,11 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <mutex>
 #include <thread>
 #include <utility>
 
+#include "engine/units/error.h"
 #include "viz_export/files/run_folder.h"
 #include "viz_export/files/run_mark.h"
 #include "viz_export/measures/measure_rows.h"
@@ -31,6 +33,11 @@ std::map<double, fs::path> contact_files(const fs::path& folder) {
   for (const auto& entry : list.entries())
     if (entry.part == contacts_part) out[entry.time] = folder / entry.file;
   return out;
+}
+
+bool has_contact_files(const fs::path& folder) {
+  const std::vector<fs::path> files = files_with(folder / "frames", ".vtp");
+  return std::ranges::any_of(files, [](const fs::path& f) { return f.filename().string().starts_with("contacts_"); });
 }
 
 /// Energies as a scene's measure of them has.
@@ -78,8 +85,21 @@ class RunSource final : public ViewSource {
         state_(run_state(folder)),
         run_(folder / "run.h5"),
         about_(about_from_text(run_.about())),
-        bodies_(run_.bodies()),
-        contacts_(contact_files(folder)) {
+        bodies_(run_.bodies()) {
+    try {
+      contacts_ = contact_files(folder);
+    } catch (const FileError& e) {
+      warn(fmt::format("{}: frames are shown without contacts", e.what()));
+    }
+    if (contacts_.empty() && state_.life == RunLife::over && has_contact_files(folder))
+      warn((folder / "frames.pvd").string() +
+           ": names no files of contacts, though frames/ holds some: frames are "
+           "shown without contacts");
+    for (const char* name : {"measures.csv", "progress.csv"}) {
+      GarbledRows garbled;
+      (void)measure_rows(folder / name, 0.0, &garbled);
+      if (garbled.count > 0) warn(garbled.text(folder / name));
+    }
     for (std::size_t k = 0; k < run_.snapshots(); ++k) times_.push_back(run_.time(k));
     residuals_ = look_for_residuals();
   }
@@ -107,6 +127,10 @@ class RunSource final : public ViewSource {
     if (state_.life != RunLife::cut) return {};
     return fmt::format("the run was cut off after t = {:.6g} s: {}", last_time(), state_.cause);
   }
+  std::vector<std::string> warnings() const override {
+    const std::lock_guard lock(warnings_lock_);
+    return warnings_;
+  }
   double last_time() const override {
     double out = ViewSource::last_time();
     for (const char* name : {"measures.csv", "progress.csv"})
@@ -119,7 +143,7 @@ class RunSource final : public ViewSource {
     ViewFrame out{s.stamp.time, s.stamp.rotates, s.stamp.has_orientation, std::move(s.bodies), {}};
     const auto file = contacts_.find(out.time);
     if (file == contacts_.end() || !fs::exists(file->second)) return out;
-    out.contacts = read_contacts(file->second).contacts;
+    out.contacts = contacts_of(file->second).contacts;
     std::sort(out.contacts.begin(), out.contacts.end(),
               [](const StoredContact& p, const StoredContact& q) { return std::pair(p.a, p.b) < std::pair(q.a, q.b); });
     return out;
@@ -130,12 +154,28 @@ class RunSource final : public ViewSource {
   bool look_for_residuals() const {
     for (auto file = contacts_.rbegin(); file != contacts_.rend(); ++file) {
       if (!fs::exists(file->second)) continue;
-      const ContactFile last = read_contacts(file->second);
+      const ContactFile last = contacts_of(file->second);
       if (!last.contacts.empty()) return last.has_residual;
     }
     return false;
   }
 
+  /// None, with a warning, where the file is damaged: run.h5 has the bodies all the same.
+  ContactFile contacts_of(const fs::path& file) const {
+    try {
+      return read_contacts(file);
+    } catch (const FileError& e) {
+      warn(fmt::format("{}: this frame is shown without contacts", e.what()));
+    }
+    return {};
+  }
+  void warn(const std::string& text) const {
+    const std::lock_guard lock(warnings_lock_);
+    if (std::ranges::count(warnings_, text) == 0) warnings_.push_back(text);
+  }
+
+  mutable std::mutex warnings_lock_;
+  mutable std::vector<std::string> warnings_;
   fs::path folder_;
   RunState state_;  ///< read before the files: what they hold is not older
   StoredRun run_;

@@ -93,7 +93,7 @@ function measurePlots(measures) {
       if (c.values.every((v) => v === null || v === c.values[0]) && m.components.length > 1) continue;
       const key = labelOf(c.quantity, c.unit);
       if (!byUnit.has(key)) byUnit.set(key, []);
-      byUnit.get(key).push({ label: c.name, x: m.times, y: c.values });
+      byUnit.get(key).push({ label: m.components.length > 1 ? c.name : "", x: m.times, y: c.values });
     }
     for (const [label, lines] of byUnit) out.push({ name: `${m.name}: ${label}`, label, lines });
   }

@@ -11,9 +11,25 @@ function niceTicks(low, high, wanted) {
   return out;
 }
 
+// Labels in rows from the left, each with its place: a letter takes 7 at most in the mean.
+function legendRows(lines, width) {
+  const out = [];
+  let [x, row] = [2, 0];
+  for (const line of lines) {
+    const most = Math.floor((width - 4) / 7);
+    const text = line.label.length > most ? line.label.slice(0, most - 1) + "\u2026" : line.label;
+    if (x > 2 && x + 7 * text.length > width) [x, row] = [2, row + 1];
+    out.push({ text, x, row });
+    x += 7 * text.length + 8;
+  }
+  return out;
+}
+
 // lines: [{ label, x, y }]
 function drawPlot(svg, lines, xLabel, yLabel, now) {
-  const [w, h, left, right, top, bottom] = [264, 150, 50, 16, 20, 28];
+  const legend = legendRows(lines.filter((line) => line.label), 264);
+  const room = legend.length > 0 ? 12 * (1 + legend[legend.length - 1].row) : 0;
+  const [w, h, left, right, top, bottom] = [264, 150 + room, 50, 16, 20 + room, 28];
   let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
   for (const line of lines) {
     for (let k = 0; k < line.x.length; ++k) {
@@ -34,9 +50,9 @@ function drawPlot(svg, lines, xLabel, yLabel, now) {
   const whole = lines.every((line) => line.y.every((v) => v === null || Number.isInteger(v)));
   for (const t of niceTicks(y0, y1, 3).filter((t) => !whole || Number.isInteger(t))) out += `<text x="${left - 3}" y="${py(t) + 3}" text-anchor="end">${digits(t)}</text>`;
   out += `<text x="${(left + w - right) / 2}" y="${h - 4}" text-anchor="middle">${xLabel}</text><text x="2" y="10">${yLabel}</text>`;
-  let legend = w - right;
   lines.forEach((line, k) => {
     const colour = curveColours[k % curveColours.length];
+    const dash = k < curveColours.length ? "" : ` stroke-dasharray="${2 + 2 * Math.floor(k / curveColours.length)} 2"`;
     let path = "";
     let pen = "M";
     for (let i = 0; i < line.x.length; ++i) {
@@ -47,14 +63,14 @@ function drawPlot(svg, lines, xLabel, yLabel, now) {
       path += pen + px(line.x[i]).toFixed(1) + " " + py(line.y[i]).toFixed(1);
       pen = "L";
     }
-    out += `<path d="${path}" fill="none" stroke="${colour}" stroke-width="1.4"/>`;
-    if (line.label && lines.length > 1) {
-      legend -= 6.2 * line.label.length + 6;
-      if (legend > 70) out += `<text x="${legend}" y="10" style="fill:${colour}">${escaped(line.label)}</text>`;
-    }
+    out += `<path d="${path}" fill="none" stroke="${colour}" stroke-width="1.4"${dash}/>`;
+    if (!line.label) return;
+    const { text, x, row } = legend.shift();
+    out += `<text class="curve" x="${x}" y="${22 + 12 * row}" style="fill:${colour}">${text === line.label ? "" : `<title>${escaped(line.label)}</title>`}${escaped(text)}</text>`;
   });
   if (now >= x0 && now <= x1) out += `<line class="now" x1="${px(now)}" x2="${px(now)}" y1="${top}" y2="${h - bottom}"/>`;
   svg.setAttribute("viewBox", `0 0 ${w} ${h}`);
+  svg.style.height = h + "px";
   svg.innerHTML = out;
 }
 

@@ -9,6 +9,11 @@ function drawsInSoftware() {
   return /swiftshader|llvmpipe|software/i.test(name);
 }
 
+// fetch throws a TypeError where nobody answers; else it is what the server said.
+function troubleOf(error) {
+  return error instanceof TypeError ? "the server does not answer: the program that showed this run has ended" : error.message;
+}
+
 const paleWall = 0.22;  // opacity
 
 class Viewer {
@@ -22,6 +27,7 @@ class Viewer {
     this.dirty = true;
     this.below = false;  // the eye, under the ground
     this.opacities = { body: [], material: [] };
+    this.trouble = "";  // of the server
   }
 
   get manifest() {
@@ -158,8 +164,8 @@ class Viewer {
   manifestChanged() {
     el("time").max = Math.max(0, this.source.frames - 1);
     const last = this.manifest.times.length > 0 ? timeText(this.manifest.times, this.manifest.times[this.source.frames - 1]) : "0";
-    const running = this.source.inside ? `the run went on, at t = ${last} s, when this page was written` : "the run goes on";
-    el("notes").textContent = [...this.manifest.notes, ...(this.manifest.cut ? [this.manifest.cut] : []), ...(this.manifest.running ? [running] : [])].join("\n");
+    const running = this.source.inside ? `the run went on, at t = ${last} s, when this page was written` : `the run goes on: ${this.source.frames} frames until t = ${last} s; End goes to the last one and follows`;
+    el("notes").textContent = [...this.manifest.notes, ...(this.manifest.cut ? [this.manifest.cut] : []), ...(this.trouble ? [this.trouble] : this.manifest.running ? [running] : [])].join("\n");
     el("notes").classList.toggle("cut", this.manifest.cut !== undefined);
   }
 
@@ -170,6 +176,7 @@ class Viewer {
   resetRange() {
     const field = this.field();
     this.range = field.range ? [...field.range] : null;
+    this.chosenRange = false;
     el("low").disabled = el("high").disabled = field.kind === "category" || !field.range;
     this.showRange();
     this.showColours();
@@ -187,6 +194,7 @@ class Viewer {
     el("range-note").textContent = `"from" must be less than "to": the colours still go from ${digits(this.range[0])} to ${digits(this.range[1])}`;
     if (!fits) return;
     this.range = [low, high];
+    this.chosenRange = el("low").value !== "" || el("high").value !== "";
     this.showRange();
     this.showColours();
   }
@@ -238,9 +246,23 @@ class Viewer {
         this.at = next;
         this.showFrame();
       }
+      this.tell("");
+    } catch (e) {
+      this.play(false);
+      this.wanted = this.at;
+      if (this.at < 0) throw e;
+      el("time").value = this.at;  // where the picture is
+      this.tell(troubleOf(e));
     } finally {
       this.loading = false;
     }
+  }
+
+  // What keeps new frames away; "": nothing.
+  tell(trouble) {
+    if (trouble === this.trouble) return;
+    this.trouble = trouble;
+    this.manifestChanged();
   }
 
   showFrame() {
@@ -249,12 +271,15 @@ class Viewer {
     const time = this.manifest.times[this.at];
     el("time").value = this.at;
     el("clock").textContent = `t = ${timeText(this.manifest.times, time)} s`;
-    if (this.plots.length > 0) {
-      const plot = this.plots.find((p) => p.name === el("measure").value) || this.plots[0];
-      drawPlot(el("measure-plot"), plot.lines, "time [s]", plot.label, time);
-    }
+    this.showMeasure();
     this.showPick();
     this.dirty = true;
+  }
+
+  showMeasure() {
+    if (this.plots.length === 0) return;
+    const plot = this.plots.find((p) => p.name === el("measure").value) || this.plots[0];
+    drawPlot(el("measure-plot"), plot.lines, "time [s]", plot.label, this.manifest.times[this.at]);
   }
 
   rowOf(id) {
@@ -372,6 +397,14 @@ class Viewer {
     requestAnimationFrame((t) => this.draw(t));
   }
 
+  // Colours go to the ends of what is known by now, unless the user has chosen a range.
+  followRange() {
+    const range = this.field().range || null;
+    const isTyping = [el("low"), el("high")].includes(document.activeElement);
+    if (this.chosenRange || isTyping || String(range) === String(this.range)) return;
+    this.resetRange();
+  }
+
   async follow() {
     if (this.source.inside || !(this.manifest.running || this.manifest.cut)) return;  // who resumes a cut run is followed on
     const atEnd = this.at >= this.source.frames - 1;
@@ -381,11 +414,14 @@ class Viewer {
         this.showColours();
         this.setTheme();
       }
+      this.trouble = "";
       this.fillMeasures();
       this.manifestChanged();
+      this.followRange();
+      this.showMeasure();
       if (atEnd && !this.playing) await this.goTo(this.source.frames - 1);
     } catch (e) {
-      el("notes").textContent = "the server does not answer: " + e.message;
+      this.tell(troubleOf(e));
     }
     setTimeout(() => this.follow(), this.manifest.cut ? 5000 : 1000);
   }
