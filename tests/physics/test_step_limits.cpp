@@ -31,7 +31,7 @@ Drawn draw_of(Random& random) {
   return d;
 }
 
-std::string head(const Drawn& d, double duration, double gravity) {
+std::string scene_head(const Drawn& d, double duration, double gravity) {
   const std::string law =
       d.linear ? fmt::format("law = \"linear\", stiffness = {:.9g}", d.modulus * d.r) : "law = \"hertz-mindlin\"";
   return fmt::format(R"(run = {{ duration = {0:.9g}, output_interval = {0:.9g}, time_step = "auto" }}
@@ -57,7 +57,7 @@ std::string press(Random& random, const Drawn& d, int n) {
   const std::string servo = fmt::format(
       "motion = {{ servo = {{ force = {:.9g}, direction = [0, 0, -1], mass = {:.9g}, max_speed = {:.9g} }} }}", force,
       mass * (random.uniform(0.0, 1.0) < 0.5 ? 0.3 : 3.0), speed);
-  return head(d, 12.0 * std::sqrt(20.0 * d.r / 9.81), random.uniform(0.0, 1.0) < 0.5 ? 0.0 : -9.81) +
+  return scene_head(d, 12.0 * std::sqrt(20.0 * d.r / 9.81), random.uniform(0.0, 1.0) < 0.5 ? 0.0 : -9.81) +
          plane("floor", 0, 0, 1, "[0, 0, 0]", "fixed = true") +
          fmt::format(
              "[[body]]\nname = \"b\"\nrepeat = {}\nshape = \"ball\"\nmaterial = \"m\"\nposition = [0, 0, \"= (1 "
@@ -68,7 +68,7 @@ std::string press(Random& random, const Drawn& d, int n) {
 
 std::string gas(const Drawn& d, const std::string& strain) {
   const double side = std::cbrt(300.0 * 4.0 / 3.0 * M_PI / 0.1) * d.r, speed = 0.02 * std::sqrt(d.modulus / 2500.0);
-  return head(d, 200.0 * d.r / speed, 0.0) +
+  return scene_head(d, 200.0 * d.r / speed, 0.0) +
          fmt::format(
              "world = {{ domain = {{ min = [0, 0, 0], max = [{0:.9g}, {0:.9g}, {0:.9g}], periodic = [\"x\", "
              "\"y\", \"z\"]{1} }} }}\n[[fill]]\nshape = \"ball\"\nmaterial = \"m\"\ncount = 300\n"
