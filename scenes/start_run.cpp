@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <cmath>
 
@@ -11,6 +9,7 @@
 #include "scenes/reader/scene_reader.h"
 #include "scenes/session.h"
 #include "viz_export/files/json_reader.h"
+#include "viz_export/files/run_folder.h"
 #include "viz_export/hdf5/stored_run.h"
 
 namespace epafi {
@@ -44,18 +43,22 @@ AssembleOptions options_of(const RunRecord& record) {
 }
 
 std::string text_of(const CheckpointHeader& h) {
-  return nlohmann::json{
-      {"scene", h.scene_path}, {"hash", h.scene_hash}, {"overrides", h.overrides}, {"record", h.record}}
-      .dump();
+  std::vector<std::string> words{h.scene_path, h.scene_hash, h.record};
+  words.insert(words.end(), h.overrides.begin(), h.overrides.end());
+  std::string text;
+  for (const std::string& word : words) text += word + '\0';  // no word has one
+  return text;
 }
 
 std::unique_ptr<Assembly> part_of(const std::string& text) {
-  const auto json = nlohmann::json::parse(text);
+  std::vector<std::string> words;
+  for (std::size_t at = 0; at < text.size(); at = text.find('\0', at) + 1)
+    words.push_back(text.substr(at, text.find('\0', at) - at));
   CheckpointHeader header;
-  header.scene_path = json.at("scene");
-  header.scene_hash = json.at("hash");
-  header.overrides = json.at("overrides").get<std::vector<std::string>>();
-  const RunRecord record = RunRecord::from_text(json.at("record"));
+  header.scene_path = words.at(0);
+  header.scene_hash = words.at(1);
+  header.overrides.assign(words.begin() + 3, words.end());
+  const RunRecord record = RunRecord::from_text(words.at(2));
   return assemble(scene_of(header, record), options_of(record));
 }
 
@@ -92,10 +95,12 @@ void check_is_run(const std::filesystem::path& run) {
   std::error_code failure;
   if (!std::filesystem::is_directory(run, failure) || std::filesystem::exists(run / "checkpoint.h5", failure)) return;
   const auto runs = runs_inside(run);
-  if (runs.empty()) throw FileError("there is no run in '" + run.string() + "': it has no checkpoint.h5");
+  if (runs.empty())
+    throw FileError(runs_in(run).empty() ? "there is no run in '" + run.string() + "': it has no checkpoint.h5"
+                                         : no_run_text(run, "resume"));
   throw FileError(
-      fmt::format("'{}' is the folder of a sweep, with {} runs; resume one of them ({}), or finish the sweep "
-                  "by `epafi sweep SCENE`",
+      fmt::format("'{0}' is the folder of a sweep, with {1} runs; resume one of them ({2}), or finish the sweep "
+                  "by `epafi sweep SCENE`; `epafi report {0}` makes a page of it",
                   run.string(), runs.size(), which_to_resume(runs)));
 }
 

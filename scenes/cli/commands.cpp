@@ -291,8 +291,6 @@ static int resume_run(const std::string& directory, const RunOptions& options, c
   std::optional<FolderLock> lock;
   check_is_run(folder);
   if (!follows(team)) lock.emplace(folder);
-  if (!std::filesystem::exists(folder / "checkpoint.h5") && !std::filesystem::exists(folder / "run.h5"))
-    throw FileError(no_run_text(folder, "resume"));
   const CheckpointHeader header = read_checkpoint_header(folder / "checkpoint.h5");
   const RunRecord record = RunRecord::from_text(header.record);
   Scene scene = scene_of(header, record);

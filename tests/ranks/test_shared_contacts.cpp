@@ -94,7 +94,8 @@ TEST_CASE("random heaps under impulses by all ranks have the bits of one process
   double moved = 0.0, ghosts = 0.0;
   for (int draw = 0; draw < 7; ++draw) {
     auto part = std::make_shared<Heap>(draw);
-    const PartSetup setup{PartSetup::Shares::contacts, 0.01,
+    const PartSetup setup{PartSetup::Shares::contacts,
+                          0.01,
                           [part](std::uint32_t s) { return part->shapes->bounding_radius(ShapeRef{s}); },
                           {},
                           help_with_sweeps};

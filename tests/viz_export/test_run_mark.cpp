@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <fstream>
+#include <thread>
 
 #include "tests/support/catch.h"
 #include "tests/viz_export/temporary_folder.h"
@@ -58,6 +59,7 @@ TEST_CASE("a run is running while its process is there, and over once it has its
 
 TEST_CASE("a run whose process is gone was cut, be it a zombie or its number another's", "[viz_export][run_mark]") {
   const TemporaryFolder folder;
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));  // starts are told apart by hundredths of a second
   const pid_t child = marked_by_a_child(folder.path());
   CHECK(run_state(folder.path()).life == RunLife::cut);
   REQUIRE(::waitpid(child, nullptr, 0) == child);
