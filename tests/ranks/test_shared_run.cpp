@@ -234,6 +234,7 @@ void compare(bool fused, bool shaken, int steps) {
                         0.0,
                         [&](std::uint32_t s) { return mine.shapes->bounding_radius(ShapeRef{s}); },
                         [](std::uint32_t) { return false; },
+                        1,
                         {}};
   Part part(*mine.simulation, setup);
   if (rank_number() != 0) return Sharing::follow(part);

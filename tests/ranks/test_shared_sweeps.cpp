@@ -23,7 +23,8 @@ class Helped final : public RankTeam {
   int count() const override { return rank_count(); }
   int number() const override { return rank_number(); }
   void lead(Simulation&, std::shared_ptr<Simulation>, PartSetup) override {}
-  int follow(Simulation&, PartSetup) override { return 0; }
+  void announce(const std::string&) override {}
+  Followed follow(Simulation&, PartSetup) override { return {}; }
   std::optional<RankFigures> figures() override { return std::nullopt; }
   RankMessages* helpers() override {
     ++asked;
