@@ -50,6 +50,7 @@ void share_threads() {
 }
 
 int run_shared(int argc, char** argv) {
+  if (epafi::rank_count() == 1) return epafi::program(argc, argv);  // nothing to share out
   epafi::MpiTeam team;
   epafi::RankTeam::set_of_program(&team);
   share_threads();
