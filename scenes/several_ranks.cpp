@@ -74,7 +74,7 @@ namespace {
 
 /// Free ones, which may be walls to each other (detection/narrow/seams.h).
 bool has_flat_bodies(const Assembly& a) {
-  const auto flat = [&](std::uint32_t shape) { return has_flat_faces(*a.shapes, ShapeRef{shape}); };
+  const auto flat = [&](std::uint32_t shape) { return is_free_wall(*a.shapes, ShapeRef{shape}); };
   const World& world = a.simulation->world;
   for (Slot s = 0; s < world.size(); ++s)
     if (world.is_movable(s) && flat(world.shape[s])) return true;

@@ -230,6 +230,10 @@ bool has_flat_faces(const ShapeStore& shapes, ShapeRef shape) {
   return shapes.with(shape, []<class S>(const S&) { return Piece<S>::flat; });
 }
 
+bool is_free_wall(const ShapeStore& shapes, ShapeRef shape) {
+  return has_flat_faces(shapes, shape) && shape.type() != ShapeStore::type_of<Capsule>();
+}
+
 std::size_t part_count(const ShapeStore& shapes, ShapeRef shape) {
   return shapes.with(shape, []<class S>(const S& s) -> std::size_t {
     if constexpr (FlatParts<S>) return s.part_count();

@@ -8,6 +8,8 @@ namespace epafi {
 /// cones (whose curve around the axis counts as straight). Others
 /// (spheres, clumps, ellipsoids, superquadrics, rails, wheels) never are part of a seam.
 bool has_flat_faces(const ShapeStore& shapes, ShapeRef shape);
+/// What moves freely is a wall to its neighbours by plane faces: two capsules side by side are no level surface.
+bool is_free_wall(const ShapeStore& shapes, ShapeRef shape);
 
 /// Of a solid of convex parts; 0 for other shapes.
 std::size_t part_count(const ShapeStore& shapes, ShapeRef shape);

@@ -70,7 +70,8 @@ void Seams::find(const World& world) {
   flat_.resize(world.size());
   radius_.resize(world.size());
   for (Slot s = 0; s < world.size(); ++s) {
-    flat_[s] = has_flat_faces(shapes_, shape_of(world, s));
+    const ShapeRef shape = shape_of(world, s);
+    flat_[s] = world.is_movable(s) ? is_free_wall(shapes_, shape) : has_flat_faces(shapes_, shape);
     radius_[s] = shapes_.bounding_radius(shape_of(world, s));
   }
   joins_ = std::ranges::count(flat_, 1) > (world.cell ? 0 : 1);
