@@ -14,11 +14,13 @@ class Body:
     turn: tuple = (1.0, 0.0, 0.0, 0.0)  # unit quaternion w x y z
     velocity: tuple = (0.0, 0.0, 0.0)
     spin: tuple = (0.0, 0.0, 0.0)
+    material: str = None  # of Scene.materials, where there are some
 
 
 @dataclass
 class Scene:
-    """A problem's world. planes: (unit normal, offset), solid below. modulus [Pa] is for smooth contact alone."""
+    """A problem's world. planes: (unit normal, offset), solid below. modulus [Pa] is for smooth contact alone. Granular problems may
+    have granular.Material and granular.Tube, then the planes are of the last material."""
     bodies: list
     planes: list = field(default_factory=list)
     gravity: tuple = (0.0, 0.0, -9.81)
@@ -27,6 +29,9 @@ class Scene:
     modulus: float = 1e8
     poisson: float = 0.2
     wall_friction: float = None  # of upright planes, where it is another
+    materials: list = field(default_factory=list)
+    pairs: dict = field(default_factory=dict)  # (name, name): (restitution, friction), of every pair that may touch
+    tubes: list = field(default_factory=list)
 
 
 FLOOR = [((0.0, 0.0, 1.0), 0.0)]
@@ -111,36 +116,75 @@ def shape_table(shape):
     return "polyhedron = { vertices = [%s] }" % ", ".join(vector(v) for v in shape[1])
 
 
+def write_peers(scene, f):
+    """NAME.scene: what engines/driver.h and engines/grains.py read."""
+    f.write("gravity %s\nfriction %.17g\nrestitution %.17g\n" % (numbers(scene.gravity), scene.friction, scene.restitution))
+    f.write("modulus %.17g %.17g\n" % (scene.modulus, scene.poisson))
+    if scene.wall_friction is not None:
+        f.write("wall_friction %.17g\n" % scene.wall_friction)
+    for m in scene.materials:
+        f.write("material %s %s\n" % (m.name, numbers([m.modulus, m.poisson, m.density])))
+    for (a, b), values in scene.pairs.items():
+        f.write("pair %s %s %s\n" % (a, b, numbers(values)))
+    for t in scene.tubes:
+        f.write("tube %s %s %s\n" % (t.material, t.axis, numbers([t.low, t.high, *t.radii, t.rate])))
+    for normal, offset in scene.planes:
+        f.write("plane %s %.17g\n" % (numbers(normal), offset))
+    last = None
+    for b in scene.bodies:
+        if b.material != last:
+            f.write("made_of %s\n" % b.material)
+            last = b.material
+        state = numbers([b.mass, *b.inertia, *b.position, *b.turn, *b.velocity, *b.spin])
+        f.write("%s %s\n" % (shape_line(b.shape), state))
+
+
+def write_materials(scene, f):
+    """Of NAME.toml; returns the material of each body, of the floor and of upright planes."""
+    if scene.materials:
+        for m in scene.materials:
+            f.write("[material.%s]\ndensity = %.17g\nyoungs_modulus = %.17g\npoissons_ratio = %.17g\n" % (m.name, m.density, m.modulus, m.poisson))
+        for (a, b), (restitution, friction) in scene.pairs.items():
+            f.write('[[contact.pair]]\nbetween = ["%s", "%s"]\nrestitution = %.17g\nfriction = %.17g\n' % (a, b, restitution, friction))
+        return [b.material for b in scene.bodies], scene.materials[-1].name, scene.materials[-1].name
+    densities = ["%.10g" % (b.mass / volume(b.shape)) for b in scene.bodies]
+    names = {d: "m%d" % k for k, d in enumerate(dict.fromkeys(densities))}
+    elastic = "youngs_modulus = %.17g\npoissons_ratio = %.17g\n" % (scene.modulus, scene.poisson)
+    for density, name in names.items():
+        f.write("[material.%s]\ndensity = %s\n%s" % (name, density, elastic))
+    if scene.wall_friction is None:
+        return [names[d] for d in densities], "m0", "m0"
+    f.write("[material.wall]\ndensity = 1000\n%s" % elastic)
+    f.write('[[contact.pair]]\nbetween = ["wall", "m0"]\nfriction = %.17g\n' % scene.wall_friction)
+    return [names[d] for d in densities], "m0", "wall"
+
+
+def write_epafi(scene, duration, f):
+    """NAME.toml, with planes and tubes first."""
+    f.write("run = { duration = %.17g }\nworld = { gravity = %s }\n" % (duration, vector(scene.gravity)))
+    f.write('[contact]\nmethod = "nonsmooth"\nrestitution = %.17g\nfriction = %.17g\n' % (scene.restitution, scene.friction))
+    materials, floor, upright = write_materials(scene, f)
+    for normal, offset in scene.planes:
+        f.write("[[body]]\nshape = { half_space = { normal = %s } }\n" % vector(normal))
+        f.write('material = "%s"\nfixed = true\n' % (upright if normal[2] == 0 else floor))
+        f.write("position = %s\n" % vector(offset * c for c in normal))
+    for t in scene.tubes:
+        f.write('[[body]]\nshape = { cone = { radii = %s, length = %.17g } }\nmaterial = "%s"\n' % (vector(t.radii), t.high - t.low, t.material))
+        middle = (t.low + t.high) / 2
+        f.write("position = %s\neuler_deg = [%d, 0, 0]\n" % (vector((0, 0, middle) if t.axis == "z" else (0, middle, 0)), 0 if t.axis == "z" else -90))
+        turn = [float(a == t.axis) for a in "xyz"]
+        f.write("motion = { rotation = { axis = %s, rate = %.17g, about = [0, 0, 0] } }\n" % (vector(turn), t.rate) if t.rate else "fixed = true\n")
+    for b, material in zip(scene.bodies, materials):
+        f.write('[[body]]\nshape = { %s }\nmaterial = "%s"\n' % (shape_table(b.shape), material))
+        f.write("position = %s\nvelocity = %s\nangular_velocity = %s\n" % (vector(b.position), vector(b.velocity), vector(b.spin)))
+        if b.shape[0] != "sphere":
+            f.write("orientation = %s\n" % vector(b.turn))
+
+
 def write(scene, duration, stem):
     """STEM.scene for the peers, STEM.toml for Epafi: the same numbers."""
     os.makedirs(os.path.dirname(stem), exist_ok=True)
     with open(stem + ".scene", "w") as f:
-        f.write("gravity %s\nfriction %.17g\nrestitution %.17g\n" % (numbers(scene.gravity), scene.friction, scene.restitution))
-        f.write("modulus %.17g %.17g\n" % (scene.modulus, scene.poisson))
-        if scene.wall_friction is not None:
-            f.write("wall_friction %.17g\n" % scene.wall_friction)
-        for normal, offset in scene.planes:
-            f.write("plane %s %.17g\n" % (numbers(normal), offset))
-        for b in scene.bodies:
-            state = numbers([b.mass, *b.inertia, *b.position, *b.turn, *b.velocity, *b.spin])
-            f.write("%s %s\n" % (shape_line(b.shape), state))
+        write_peers(scene, f)
     with open(stem + ".toml", "w") as f:
-        f.write("run = { duration = %.17g }\nworld = { gravity = %s }\n" % (duration, vector(scene.gravity)))
-        f.write('[contact]\nmethod = "nonsmooth"\nrestitution = %.17g\nfriction = %.17g\n' % (scene.restitution, scene.friction))
-        densities = ["%.10g" % (b.mass / volume(b.shape)) for b in scene.bodies]
-        names = {d: "m%d" % k for k, d in enumerate(dict.fromkeys(densities))}
-        for density, name in names.items():
-            f.write("[material.%s]\ndensity = %s\nyoungs_modulus = %.17g\npoissons_ratio = %.17g\n" % (name, density, scene.modulus, scene.poisson))
-        if scene.wall_friction is not None:
-            f.write("[material.wall]\ndensity = 1000\nyoungs_modulus = %.17g\npoissons_ratio = %.17g\n" % (scene.modulus, scene.poisson))
-            f.write('[[contact.pair]]\nbetween = ["wall", "m0"]\nfriction = %.17g\n' % scene.wall_friction)
-        for normal, offset in scene.planes:
-            other = scene.wall_friction is not None and normal[2] == 0
-            f.write("[[body]]\nshape = { half_space = { normal = %s } }\n" % vector(normal))
-            f.write('material = "%s"\nfixed = true\n' % ("wall" if other else "m0"))
-            f.write("position = %s\n" % vector(offset * c for c in normal))
-        for b, density in zip(scene.bodies, densities):
-            f.write('[[body]]\nshape = { %s }\nmaterial = "%s"\n' % (shape_table(b.shape), names[density]))
-            f.write("position = %s\nvelocity = %s\nangular_velocity = %s\n" % (vector(b.position), vector(b.velocity), vector(b.spin)))
-            if b.shape[0] != "sphere":
-                f.write("orientation = %s\n" % vector(b.turn))
+        write_epafi(scene, duration, f)

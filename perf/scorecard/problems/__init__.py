@@ -2,7 +2,7 @@
 import importlib.util
 import os
 
-ORDER = ["stack", "heavy", "arch", "cards", "pile", "stick", "slide", "rolling", "bounce", "cradle", "oblique", "bed"]
+ORDER = ["stack", "heavy", "arch", "cards", "pile", "stick", "slide", "rolling", "bounce", "cradle", "oblique", "bed", "hopper", "drum", "penetration", "mixing"]
 HERE = os.path.dirname(os.path.abspath(__file__))
 
 
