@@ -1,6 +1,7 @@
 #include "ranks/team.h"
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -67,6 +68,22 @@ std::string announced(const Order& order) {
   return text;
 }
 
+/// Orders that parts of every kind obey; what ends their work, or nothing.
+template <class AnyPart>
+std::optional<RankTeam::Followed> obey_any(const Order& order, AnyPart& part) {
+  switch (order.task) {
+    case Task::figures:
+      gather_figures(part.figures());
+      return std::nullopt;
+    case Task::announce:
+      return RankTeam::Followed{0, announced(order)};
+    case Task::end:
+      return RankTeam::Followed{order.code, {}};
+    default:
+      throw std::logic_error("an order for ranks of another kind");
+  }
+}
+
 /// One order after the other, until the last one.
 RankTeam::Followed obey(Part& part) {
   StepReport report;
@@ -87,15 +104,8 @@ RankTeam::Followed obey(Part& part) {
       case Task::step:
         part.step(order.dt, order.domain(), report);
         break;
-      case Task::figures:
-        gather_figures(part.figures());
-        break;
-      case Task::announce:
-        return {0, announced(order)};
-      case Task::end:
-        return {order.code, {}};
       default:
-        throw std::logic_error("an order for ranks that find contacts only");
+        if (auto ended = obey_any(order, part)) return std::move(*ended);
     }
   }
 }
@@ -117,15 +127,8 @@ RankTeam::Followed obey(DetectionPart& part, const PartSetup& setup, RankMessage
       case Task::help:
         setup.help(messages);
         break;
-      case Task::figures:
-        gather_figures(part.figures());
-        break;
-      case Task::announce:
-        return {0, announced(order)};
-      case Task::end:
-        return {order.code, {}};
       default:
-        throw std::logic_error("an order for ranks that make whole steps");
+        if (auto ended = obey_any(order, part)) return std::move(*ended);
     }
   }
 }

@@ -58,56 +58,49 @@ BuiltShape ShapeBuilder::build(std::size_t shape, double size) {
   const auto key = std::pair(shape, size);
   if (const auto found = built_.find(key); found != built_.end()) return found->second;
   const ShapeSpec& spec = scene_.shapes[shape];
-  const Parameters& p = spec.parameters;
-  if (spec.scale_to_diameter && spec.type == "sphere") size *= *spec.scale_to_diameter / (2 * p.number("radius"));
-  const auto add = [&](auto s) {
-    const MassProperties mass = s.mass_properties();
-    const double radius = s.bounding_radius();
-    return solid(store_.add(std::move(s)), mass, radius, spec.type == "sphere");
-  };
-  BuiltShape out;
-  if (spec.type == "sphere")
-    out = add(Sphere{size * p.number("radius")});
-  else if (spec.type == "box")
-    out = add(Box(0.5 * size * p.vec3("size")));
-  else if (spec.type == "capsule")
-    out = add(Capsule(size * p.number("radius"), size * p.number("length")));
-  else if (spec.type == "cylinder")
-    out = add(Cylinder(size * p.number("radius"), size * p.number("length")));
-  else if (spec.type == "ellipsoid")
-    out = add(Ellipsoid(size * p.vec3("semi_axes")));
-  else if (spec.type == "superquadric")
-    out = add(Superquadric(size * p.vec3("semi_axes"), static_cast<int>(p.number("across")),
-                           static_cast<int>(p.number("along"))));
-  else if (spec.type == "polyhedron")
-    out = build_hull(spec, size);
-  else if (spec.type == "clump")
-    out = build_clump(spec, size);
-  else if (spec.type == "solid")
-    out = build_solid(spec, size);
-  else if (spec.type == "mesh")
-    out = build_mesh(spec, size);
-  else if (spec.type == "half_space")
-    out = {store_.add(HalfSpace{p.vec3("normal").normalized()}), 0.0, {}, infinity, false, false};
-  else if (spec.type == "tube" || spec.type == "cone")
-    out = build_hollow(spec, size);
-  else if (spec.type == "wheel_profile")
-    out = build_wheels(spec);
-  else if (spec.type == "rail_profile")
-    out = {store_.add(RailProfile{std::make_shared<Track>(*build_track(p, spec.name).value), p.number("drawn_length")}),
-           0.0,
-           {},
-           infinity,
-           false,
-           false};
-  else
-    throw SceneError("shape '" + spec.type + "' cannot be built", spec.place);
+  if (spec.scale_to_diameter && spec.type == "sphere")
+    size *= *spec.scale_to_diameter / (2 * spec.parameters.number("radius"));
+  const BuiltShape out = build_new(spec, size);
   constexpr std::size_t most_kept = 1000;  // a map of a million radii would take as much as their bodies
   if (!out.is_sphere || built_.size() < most_kept) built_.emplace(key, out);
   if (!out.is_sphere)
     origins_[out.ref.packed] = {[&spec] { return shape_text(spec); }, key.second, out.frame.orientation,
                                 out.frame.centre};
   return out;
+}
+
+BuiltShape ShapeBuilder::build_new(const ShapeSpec& spec, double size) {
+  const Parameters& p = spec.parameters;
+  const auto add = [&](auto s) {
+    const MassProperties mass = s.mass_properties();
+    const double radius = s.bounding_radius();
+    return solid(store_.add(std::move(s)), mass, radius, spec.type == "sphere");
+  };
+  if (spec.type == "sphere") return add(Sphere{size * p.number("radius")});
+  if (spec.type == "box") return add(Box(0.5 * size * p.vec3("size")));
+  if (spec.type == "capsule") return add(Capsule(size * p.number("radius"), size * p.number("length")));
+  if (spec.type == "cylinder") return add(Cylinder(size * p.number("radius"), size * p.number("length")));
+  if (spec.type == "ellipsoid") return add(Ellipsoid(size * p.vec3("semi_axes")));
+  if (spec.type == "superquadric")
+    return add(Superquadric(size * p.vec3("semi_axes"), static_cast<int>(p.number("across")),
+                            static_cast<int>(p.number("along"))));
+  if (spec.type == "polyhedron") return build_hull(spec, size);
+  if (spec.type == "clump") return build_clump(spec, size);
+  if (spec.type == "solid") return build_solid(spec, size);
+  if (spec.type == "mesh") return build_mesh(spec, size);
+  if (spec.type == "half_space")
+    return {store_.add(HalfSpace{p.vec3("normal").normalized()}), 0.0, {}, infinity, false, false};
+  if (spec.type == "tube" || spec.type == "cone") return build_hollow(spec, size);
+  if (spec.type == "wheel_profile") return build_wheels(spec);
+  if (spec.type == "rail_profile")
+    return {
+        store_.add(RailProfile{std::make_shared<Track>(*build_track(p, spec.name).value), p.number("drawn_length")}),
+        0.0,
+        {},
+        infinity,
+        false,
+        false};
+  throw SceneError("shape '" + spec.type + "' cannot be built", spec.place);
 }
 
 BuiltShape ShapeBuilder::build_clump(const ShapeSpec& spec, double size) {

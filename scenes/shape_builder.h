@@ -37,6 +37,7 @@ class ShapeBuilder {
   const ShapeOrigins& origins() const { return origins_; }
 
  private:
+  BuiltShape build_new(const ShapeSpec& spec, double size);
   BuiltShape build_clump(const ShapeSpec& spec, double size);
   BuiltShape build_hollow(const ShapeSpec& spec, double size);
   BuiltShape build_wheels(const ShapeSpec& spec);

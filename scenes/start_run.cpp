@@ -64,16 +64,6 @@ std::unique_ptr<Assembly> part_of(const std::string& text) {
 
 namespace {
 
-/// Runs in folders of a folder, by name: those of a sweep.
-std::vector<std::filesystem::path> runs_inside(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> runs;
-  std::error_code failure;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, failure))
-    if (std::filesystem::exists(entry.path() / "checkpoint.h5", failure)) runs.push_back(entry.path());
-  std::sort(runs.begin(), runs.end());
-  return runs;
-}
-
 /// Those that have not come to their end, else all.
 std::string which_to_resume(const std::vector<std::filesystem::path>& runs) {
   constexpr std::size_t most = 8;
@@ -94,7 +84,7 @@ std::string which_to_resume(const std::vector<std::filesystem::path>& runs) {
 void check_is_run(const std::filesystem::path& run) {
   std::error_code failure;
   if (!std::filesystem::is_directory(run, failure) || std::filesystem::exists(run / "checkpoint.h5", failure)) return;
-  const auto runs = runs_inside(run);
+  const auto runs = runs_in(run, "checkpoint.h5");
   if (runs.empty())
     throw FileError(runs_in(run).empty() ? "there is no run in '" + run.string() + "': it has no checkpoint.h5"
                                          : no_run_text(run, "resume"));

@@ -24,9 +24,11 @@ MOST_CHARACTERS_OF_A_LINE = 120
 MOST_CHARACTERS_OF_A_SUBJECT = 72
 MOST_WORDS_OF_A_CELL = 25
 # Statements whose outermost commas join declarations, not expressions.
-DECLARATION = re.compile(r"^(const|constexpr|inline|mutable|static|auto|double|float|int|bool|char|unsigned|"
-                         r"using|template|return\s*\{|case|"
-                         r"[A-Z]\w*(<.*>)?\s*[&*]?\s+\w+|std::\w+(<.*>)?\s*[&*]?\s+\w+|(std::)?(u?int\d+_t|size_t)\s)")
+DECLARATION = re.compile(r"^(const|constexpr|inline|mutable|static|alignas|using|template|return\s*\{|case|"
+                         r"(?!return|delete|throw|goto)[A-Za-z_][\w:]*(<.*>)?(\s*[&*]+\s*|\s+)(const\s+)?[A-Za-z_]\w*)")
+# `matrix << a, b;`: Eigen's list of coefficients, none of which assigns.
+COEFFICIENTS = re.compile(r"^[^=]*?<<[^=]*$")
+LABEL = re.compile(r"^(case\b.*|default|public|private|protected)\s*:$")
 
 CONTROL = re.compile(r"^(else\s+)?(if|for|while)\s*(constexpr\s*)?\(|^else\s+")
 
@@ -46,14 +48,17 @@ def pages():
 
 def without_literals(line):
     """The line with empty strings, no characters and no comment."""
-    line = re.sub(r'"(\\.|[^"\\])*"', '""', line)
-    line = re.sub(r"'(\\.|[^'\\])'", "' '", line)
+    line = re.sub(r"\"(\\.|[^\"\\])*\"|'(\\.|[^'\\])'", '""', line)
     return line.split("//")[0]
 
 
 def outer_commas(statement):
     """Commas outside of all brackets and template arguments."""
-    statement = re.sub(r"\w<[^<>;()]*>", "x", statement)
+    statement = re.sub(r"decltype\([^()]*\)", "x", statement)
+    inner = None
+    while inner != statement:
+        inner = statement
+        statement = re.sub(r"\w<[^<>;()]*>", "x", statement)
     depth = 0
     count = 0
     for character in statement:
@@ -76,26 +81,49 @@ def without_control(line):
     return line
 
 
+def inner_statements(line):
+    """Statements that begin and end inside braces of one line."""
+    starts = []
+    for place, character in enumerate(line):
+        if character == "{":
+            starts.append(place + 1)
+        elif character == "}" and starts:
+            starts.pop()
+        elif character == ";" and starts:
+            statement = line[starts[-1]:place].strip()
+            if statement.count("(") == statement.count(")"):
+                yield statement
+                starts[-1] = place + 1
+
+
+def is_chain(statement):
+    """Whether a statement without its semicolon joins expressions by commas."""
+    part = without_control(statement)
+    if DECLARATION.match(part) or COEFFICIENTS.match(part) or part.count("}") > part.count("{"):
+        return False
+    return bool(outer_commas(part) and re.search(r"[=(]|\+\+|--", part))
+
+
 def comma_chains(lines):
-    """Numbers of lines on which an expression statement `a, b;` ends; statements over several lines are joined."""
+    """Numbers of lines on which a statement `a, b;` of expressions ends; statements over several lines are joined."""
     found = []
     statement = ""
-    for number, raw in enumerate(lines, 1):
+    text = re.sub(r'R"(\w*)\((.*?)\)\1"', lambda raw: '""' + '\n""' * raw[0].count("\n"), "\n".join(lines), flags=re.S)
+    for number, raw in enumerate(text.splitlines(), 1):
         line = without_literals(raw).strip()
         if line.startswith("#"):
             continue
+        if any(is_chain(inner) for inner in inner_statements(line)):
+            found.append(number)
         statement = f"{statement} {line}".strip()
-        if not line or line[-1] in "{}:":
+        if not line or line[-1] in "{}" or LABEL.match(line):
             statement = ""
             continue
         if line[-1] != ";" or statement.count("(") > statement.count(")"):
             continue
-        part = without_control(statement)[:-1]
-        statement = ""
-        if DECLARATION.match(part) or not outer_commas(part) or part.count("}") > part.count("{"):
-            continue
-        if re.search(r"[=(]|\+\+|--", part):
+        if is_chain(statement[:-1]):
             found.append(number)
+        statement = ""
     return found
 
 

@@ -4,25 +4,10 @@
 #include <numeric>
 #include <tuple>
 
+#include "engine/state/contact_order.h"
 #include "engine/threads/parallel_order.h"
 
 namespace epafi {
-namespace {
-
-/// Puts element order[k] of each column into place k; empty columns stay empty.
-template <class... Column>
-void permute(const std::vector<std::uint32_t>& order, Column&... columns) {
-  const auto one = [&](auto& column) {
-    if (column.empty()) return;
-    std::remove_reference_t<decltype(column)> sorted;
-    sorted.reserve(order.size());
-    for (std::uint32_t k : order) sorted.push_back(column[k]);
-    column.swap(sorted);
-  };
-  (one(columns), ...);
-}
-
-}  // namespace
 
 void ContactSet::clear() {
   a.clear();
@@ -211,14 +196,7 @@ void ContactMemory::match(const ContactSet& contacts, std::vector<std::uint32_t>
 }
 
 std::vector<std::uint32_t> ContactMemory::reorder(const Reordering& change) {
-  std::vector<std::uint32_t> order;
-  for (std::uint32_t k = 0; k < a_.size(); ++k) {
-    a_[k] = change.new_slot[a_[k]];
-    b_[k] = change.new_slot[b_[k]];
-    if (a_[k] != no_slot && b_[k] != no_slot) order.push_back(k);
-  }
-  const auto key = [&](std::uint32_t k) { return std::tuple(a_[k], b_[k], feature_[k]); };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t p, std::uint32_t q) { return key(p) < key(q); });
+  const std::vector<std::uint32_t> order = order_after(change, a_, b_, feature_);
   permute(order, a_, b_, feature_);
   return order;
 }

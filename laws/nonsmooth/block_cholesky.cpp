@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "laws/nonsmooth/block_product.h"
+#include "laws/nonsmooth/panels.h"
 
 namespace epafi {
 
@@ -70,20 +71,15 @@ void BlockCholesky<N>::analyse(std::size_t n, const std::vector<BlockPattern::Ed
 /// Columns of A on and below the diagonal, into the panel.
 template <int N>
 void BlockCholesky<N>::gather(const BlockPattern::Supernode& panel) {
-  const std::uint32_t* rows = pattern_.row.data() + panel.rows;
   Block* l = l_.data() + panel.blocks;
   std::fill_n(l->data(), panel.height() * panel.width * N * N, 0.0);
-  for (std::uint32_t i = 0; i < panel.height(); ++i) row_[rows[i]] = i;
   for (std::uint32_t i = 0; i < panel.width; ++i) l[i * panel.width + i] = diagonal[pattern_.at[panel.first + i]];
-  for (std::size_t k = panel.edges; k < panel.edges_end; ++k) {
-    const std::uint32_t e = pattern_.edge_of[k];
-    const std::uint32_t a = pattern_.place[pattern_.edges[e].first], b = pattern_.place[pattern_.edges[e].second];
-    Block& to = l[row_[std::max(a, b)] * panel.width + (std::min(a, b) - panel.first)];
-    if (a > b)
-      to = off_diagonal[e];  // rows of the later one
+  for_each_edge(pattern_, panel, row_, [&](std::size_t e, std::size_t to, bool swapped) {
+    if (swapped)
+      l[to] = off_diagonal[e];  // rows of the later one
     else
-      to = off_diagonal[e].transpose();
-  }
+      l[to] = off_diagonal[e].transpose();
+  });
 }
 
 /// What earlier panels take from this one.
@@ -119,12 +115,11 @@ bool BlockCholesky<N>::factor(const BlockPattern::Supernode& panel) {
 
 template <int N>
 bool BlockCholesky<N>::factor() {
-  for (const BlockPattern::Supernode& panel : pattern_.supernodes) {
+  return std::all_of(pattern_.supernodes.begin(), pattern_.supernodes.end(), [&](const auto& panel) {
     gather(panel);
     update(panel);
-    if (!factor(panel)) return false;
-  }
-  return true;
+    return factor(panel);
+  });
 }
 
 template <int N>
@@ -140,17 +135,7 @@ void BlockCholesky<N>::solve(std::vector<Vector>& x) {
       for (std::size_t i = j + 1; i < panel.height(); ++i) y_[rows[i]].noalias() -= l[i * panel.width + j] * y;
     }
   }
-  for (std::size_t s = pattern_.supernodes.size(); s-- > 0;) {
-    const BlockPattern::Supernode& panel = pattern_.supernodes[s];
-    const std::uint32_t* rows = pattern_.row.data() + panel.rows;
-    const Block* l = l_.data() + panel.blocks;
-    for (std::size_t j = panel.width; j-- > 0;) {
-      Vector& y = y_[panel.first + j];
-      for (std::size_t i = j + 1; i < panel.height(); ++i)
-        y.noalias() -= l[i * panel.width + j].transpose() * y_[rows[i]];
-      solve_upper(pivot_[panel.first + j], y);
-    }
-  }
+  substitute_back(pattern_, l_, y_, [&](std::size_t j, Vector& y) { solve_upper(pivot_[j], y); });
   for (std::size_t j = 0; j < n; ++j) x[pattern_.at[j]] = y_[j];
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "laws/nonsmooth/block_product.h"
+#include "laws/nonsmooth/panels.h"
 
 namespace epafi {
 
@@ -24,19 +25,15 @@ void BlockLu<N>::analyse(std::size_t n, const std::vector<BlockPattern::Edge>& e
 /// Columns of A on and below the diagonal and rows right of it, into the panel.
 template <int N>
 void BlockLu<N>::gather(const BlockPattern::Supernode& panel) {
-  const std::uint32_t* rows = pattern_.row.data() + panel.rows;
-  Block *l = l_.data() + panel.blocks, *u = u_.data() + panel.blocks;
+  Block* l = l_.data() + panel.blocks;
+  Block* u = u_.data() + panel.blocks;
   std::fill_n(l->data(), panel.height() * panel.width * N * N, 0.0);
   std::fill_n(u->data(), panel.height() * panel.width * N * N, 0.0);
-  for (std::uint32_t i = 0; i < panel.height(); ++i) row_[rows[i]] = i;
   for (std::uint32_t i = 0; i < panel.width; ++i) l[i * panel.width + i] = diagonal[pattern_.at[panel.first + i]];
-  for (std::size_t k = panel.edges; k < panel.edges_end; ++k) {
-    const std::uint32_t e = pattern_.edge_of[k];
-    const std::uint32_t a = pattern_.place[pattern_.edges[e].first], b = pattern_.place[pattern_.edges[e].second];
-    const std::size_t to = row_[std::max(a, b)] * panel.width + (std::min(a, b) - panel.first);
-    l[to] = a > b ? lower[e] : upper[e];
-    u[to] = a > b ? upper[e].transpose() : lower[e].transpose();
-  }
+  for_each_edge(pattern_, panel, row_, [&](std::size_t e, std::size_t to, bool swapped) {
+    l[to] = swapped ? lower[e] : upper[e];
+    u[to] = swapped ? upper[e].transpose() : lower[e].transpose();
+  });
 }
 
 /// What earlier panels take from this one.
@@ -63,7 +60,8 @@ void BlockLu<N>::update(const BlockPattern::Supernode& panel) {
 template <int N>
 bool BlockLu<N>::factor(const BlockPattern::Supernode& panel) {
   const std::size_t width = panel.width, height = panel.height();
-  Block *l = l_.data() + panel.blocks, *u = u_.data() + panel.blocks;
+  Block* l = l_.data() + panel.blocks;
+  Block* u = u_.data() + panel.blocks;
   for (std::size_t i = 0; i < height; ++i) place_[i] = static_cast<std::uint32_t>(i * width);
   for (std::size_t j = 0; j < width; ++j) {
     subtract_panels<N>({l[j].data(), place_.data(), l->data(), u[j * width].data(), j, height, width, j});
@@ -78,12 +76,11 @@ bool BlockLu<N>::factor(const BlockPattern::Supernode& panel) {
 
 template <int N>
 bool BlockLu<N>::factor() {
-  for (const BlockPattern::Supernode& panel : pattern_.supernodes) {
+  return std::all_of(pattern_.supernodes.begin(), pattern_.supernodes.end(), [&](const auto& panel) {
     gather(panel);
     update(panel);
-    if (!factor(panel)) return false;
-  }
-  return true;
+    return factor(panel);
+  });
 }
 
 template <int N>
@@ -97,17 +94,7 @@ void BlockLu<N>::solve(std::vector<Vector>& x) {
       for (std::size_t j = 0; j < std::min<std::size_t>(i, panel.width); ++j)
         y_[rows[i]].noalias() -= l[i * panel.width + j] * y_[panel.first + j];
   }
-  for (std::size_t s = pattern_.supernodes.size(); s-- > 0;) {
-    const BlockPattern::Supernode& panel = pattern_.supernodes[s];
-    const std::uint32_t* rows = pattern_.row.data() + panel.rows;
-    const Block* u = u_.data() + panel.blocks;
-    for (std::size_t j = panel.width; j-- > 0;) {
-      Vector& y = y_[panel.first + j];
-      for (std::size_t i = j + 1; i < panel.height(); ++i)
-        y.noalias() -= u[i * panel.width + j].transpose() * y_[rows[i]];
-      y = (pivot_[panel.first + j] * y).eval();
-    }
-  }
+  substitute_back(pattern_, u_, y_, [&](std::size_t j, Vector& y) { y = (pivot_[j] * y).eval(); });
   for (std::size_t j = 0; j < n; ++j) x[pattern_.at[j]] = y_[j];
 }
 

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "engine/state/contact_order.h"
 #include "engine/threads/parallel_order.h"
 #include "engine/units/registry.h"
 #include "laws/nonsmooth/cone.h"
@@ -124,27 +125,8 @@ std::optional<Vec3> WarmStart::slip(std::size_t i) const {
 }
 
 void WarmStart::reorder(const Reordering& change) {
-  std::vector<std::uint32_t> order;
-  for (std::uint32_t k = 0; k < a_.size(); ++k) {
-    a_[k] = change.new_slot[a_[k]];
-    b_[k] = change.new_slot[b_[k]];
-    if (a_[k] != no_slot && b_[k] != no_slot) order.push_back(k);
-  }
-  const auto key = [&](std::uint32_t k) { return std::tuple(a_[k], b_[k], feature_[k]); };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t p, std::uint32_t q) { return key(p) < key(q); });
-  const auto permute = [&](auto& column) {
-    std::remove_reference_t<decltype(column)> sorted;
-    sorted.reserve(order.size());
-    for (const std::uint32_t k : order) sorted.push_back(column[k]);
-    column.swap(sorted);
-  };
-  permute(a_);
-  permute(b_);
-  permute(feature_);
-  permute(arm_);
-  permute(impulse_);
-  permute(gap_);
-  permute(slip_);
+  const std::vector<std::uint32_t> order = order_after(change, a_, b_, feature_);
+  permute(order, a_, b_, feature_, arm_, impulse_, gap_, slip_);
 }
 
 void WarmStart::visit(StateVisitor& visitor) {

@@ -41,6 +41,17 @@ Regime regime_of(const RollingCase& c, const KalkerCoefficients& k) {
           y * s < 0.0 ? 2.0 * std::min(std::abs(y), spin) / sum : 0.0, 2.0 * std::min(x, spin) / sum, end / slip};
 }
 
+struct PreparedCase {
+  RollingCase rolling;
+  KalkerCoefficients coefficients;
+  Regime regime;
+};
+PreparedCase prepared(const TangentialInput& in) {
+  const RollingCase rolling = case_of(in);
+  const KalkerCoefficients k = coefficients(rolling);
+  return {rolling, k, regime_of(rolling, k)};
+}
+
 void check_materials(const TangentialInput& in, TangentialOutcome& out) {
   if (std::abs(in.elastic.coupling) > most_coupling)
     out.reasons.push_back("unlike materials couple pressure and traction, which is left out");
@@ -74,9 +85,7 @@ double dissipation(const PatchForce& f, const Creepage& c) {
 
 TangentialOutcome solve_kalker_linear(const TangentialInput& in) {
   TangentialOutcome out;
-  const RollingCase c = case_of(in);
-  const KalkerCoefficients k = coefficients(c);
-  const Regime r = regime_of(c, k);
+  const auto [c, k, r] = prepared(in);
   out.force = kalker_linear(c, k);
   out.stick_share = 1.0;
   // spin slides first at the far ends of a patch that is wide across the track
@@ -91,9 +100,7 @@ TangentialOutcome solve_kalker_linear(const TangentialInput& in) {
 
 TangentialOutcome solve_vermeulen_johnson(const TangentialInput& in) {
   TangentialOutcome out;
-  const RollingCase c = case_of(in);
-  const KalkerCoefficients k = coefficients(c);
-  const Regime r = regime_of(c, k);
+  const auto [c, k, r] = prepared(in);
   out.force = vermeulen_johnson(c);
   out.error_estimate = 0.082 + r.spin_share * std::min(1.0, r.saturation);
   if (r.spin_share > 0.05) out.reasons.push_back("spin, which the law does not know");
@@ -103,9 +110,7 @@ TangentialOutcome solve_vermeulen_johnson(const TangentialInput& in) {
 
 TangentialOutcome solve_she(const TangentialInput& in) {
   TangentialOutcome out;
-  const RollingCase c = case_of(in);
-  const KalkerCoefficients k = coefficients(c);
-  const Regime r = regime_of(c, k);
+  const auto [c, k, r] = prepared(in);
   out.force = shen_hedrick_elkins(c);
   const double spin = 0.85 * r.rim * r.rim * std::min(1.0, r.saturation * r.saturation);
   out.error_estimate = std::min(0.038, 0.11 * r.saturation) + spin;
@@ -116,9 +121,7 @@ TangentialOutcome solve_she(const TangentialInput& in) {
 
 TangentialOutcome solve_polach(const TangentialInput& in) {
   TangentialOutcome out;
-  const RollingCase c = case_of(in);
-  const KalkerCoefficients k = coefficients(c);
-  const Regime r = regime_of(c, k);
+  const auto [c, k, r] = prepared(in);
   out.force = polach(c);
   out.error_estimate = std::min(0.06, 0.17 * r.saturation) + 0.47 * r.spin_share * std::min(1.0, r.saturation);
   if (r.spin_share > 0.05)
@@ -134,9 +137,7 @@ TangentialOutcome solve_coulomb(const TangentialInput& in) {
   const double size = std::hypot(s.longitudinal, s.lateral), bound = in.friction * in.patch.normal_force;
   if (size > 0.0) out.force = {-bound * s.longitudinal / size, -bound * s.lateral / size, 0.0};
   out.stick_share = 0.0;
-  const RollingCase c = case_of(in);
-  const KalkerCoefficients k = coefficients(c);
-  const Regime r = regime_of(c, k);
+  const auto [c, k, r] = prepared(in);
   out.error_estimate = 1.0 - cubic_saturation(r.saturation) + r.spin_share;
   if (r.saturation < 2.5) out.reasons.push_back("part of the patch sticks; Coulomb's law alone knows full slip only");
   if (r.spin_share > 0.05) out.reasons.push_back("spin, which the law does not know");
@@ -180,9 +181,7 @@ constexpr double most_hidden = 0.048;  // of mu N, by which a law may be off in 
 
 TangentialOutcome fastsim_on(const TangentialInput& in, Bound bound) {
   TangentialOutcome out;
-  const RollingCase c = case_of(in);
-  const KalkerCoefficients k = coefficients(c);
-  const Regime r = regime_of(c, k);
+  const auto [c, k, r] = prepared(in);
   const StripPatch patch = strips_of(in, bound);
   const StripSolution s =
       fastsim(patch, kalker_flexibility(c, k, FlexibilityRule::blended), in.friction, creepage_of_cells(in), in.store);
@@ -233,9 +232,7 @@ TangentialOutcome strips_on(const TangentialInput& in, StripLaw law) {
   const bool is_fastrip = law == StripLaw::fastrip;
   if (!is_fastrip && in.patch.is_line) return solve_line(in);
   TangentialOutcome out;
-  const RollingCase c = case_of(in);
-  const KalkerCoefficients k = coefficients(c);
-  const Regime r = regime_of(c, k);
+  const auto [c, k, r] = prepared(in);
   const StripPatch patch = strips_of(in, Bound::elliptic);
   RollingCase cells = c;
   cells.creepage = creepage_of_cells(in);

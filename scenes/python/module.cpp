@@ -168,13 +168,7 @@ auto of_contacts(py::ssize_t width, Put put) {
   };
 }
 
-}  // namespace
-
-PYBIND11_MODULE(epafi, m) {
-  m.doc() =
-      "Epafi: many-body contact. load() or build() a scene, step() it, read its columns as NumPy arrays without "
-      "copying.";
-  m.attr("__version__") = version();
+void bind_functions(py::module_& m) {
   py::register_exception_translator([](std::exception_ptr p) {
     try {
       if (p) std::rethrow_exception(p);
@@ -201,12 +195,12 @@ PYBIND11_MODULE(epafi, m) {
   m.def(
       "set_threads", [](int n) { set_thread_count(n); }, py::arg("count"),
       "Threads of all runs from now on; the bits do not depend on it.");
+}
 
-  py::class_<Run>(m, "Run",
-                  "A scene that runs. Arrays are views of its columns: always of the present moment, in the order of "
-                  "slots (see id).")
-      .def("step", &Run::step, py::arg("count") = 1,
-           "Makes `count` steps; raises RuntimeError where the simulation fails.")
+/// Steps, clock and energies.
+void bind_course(py::class_<Run>& run) {
+  run.def("step", &Run::step, py::arg("count") = 1,
+          "Makes `count` steps; raises RuntimeError where the simulation fails.")
       .def("energy", &Run::energy, "Energies [J] and the ledger's relative error.")
       .def("measures", &Run::measures, "Last, smallest and largest value of every component of the scene's measures.")
       .def_property_readonly("title", &Run::title)
@@ -216,11 +210,15 @@ PYBIND11_MODULE(epafi, m) {
           "time", [](Run& r) { return r.world().time; }, "[s]")
       .def_property_readonly(
           "time_step", [](Run& r) { return r.simulation().time_step; }, "[s]")
-      .def_property_readonly("state_hash", [](Run& r) { return state_hash(r.world()); })
-      .def_property_readonly("id",
-                             column<std::uint32_t>(
-                                 [](Run & r) -> auto& { return r.world().id; }, 1),
-                             "Body in each slot; slots change when bodies are sorted or removed.")
+      .def_property_readonly("state_hash", [](Run& r) { return state_hash(r.world()); });
+}
+
+/// Bodies by id and by slot.
+void bind_names(py::class_<Run>& run) {
+  run.def_property_readonly("id",
+                            column<std::uint32_t>(
+                                [](Run & r) -> auto& { return r.world().id; }, 1),
+                            "Body in each slot; slots change when bodies are sorted or removed.")
       .def_property_readonly(
           "slot",
           [](Run& r) {
@@ -230,9 +228,13 @@ PYBIND11_MODULE(epafi, m) {
               slots[static_cast<std::uint32_t>(w.id[s])] = static_cast<std::int64_t>(s);
             return py::array_t<std::int64_t>(static_cast<py::ssize_t>(slots.size()), slots.data());
           },
-          "Slot of each body by its id, -1 where it is gone: position[slot] is in the order of the scene. A copy.")
-      .def_property_readonly("material", column<std::uint16_t>(
-                                             [](Run & r) -> auto& { return r.world().material; }, 1))
+          "Slot of each body by its id, -1 where it is gone: position[slot] is in the order of the scene. A copy.");
+}
+
+/// Columns of the state, one row a slot.
+void bind_columns(py::class_<Run>& run) {
+  run.def_property_readonly("material", column<std::uint16_t>(
+                                            [](Run & r) -> auto& { return r.world().material; }, 1))
       .def_property_readonly("inverse_mass",
                              column<double>(
                                  [](Run & r) -> auto& { return r.world().inverse_mass; }, 1),
@@ -257,15 +259,19 @@ PYBIND11_MODULE(epafi, m) {
       .def_property_readonly("angular_velocity",
                              column<double>(
                                  [](Run & r) -> auto& { return r.world().angular_velocity; }, 3),
-                             "(n, 3) world axes [rad/s]")
-      .def_property_readonly(
-          "contact_bodies",
-          of_contacts<std::uint32_t>(2,
-                                     [](const World& w, const ContactSet& c, std::size_t k, std::uint32_t* to) {
-                                       to[0] = static_cast<std::uint32_t>(w.id[c.a[k]]);
-                                       to[1] = static_cast<std::uint32_t>(w.id[c.b[k]]);
-                                     }),
-          "(n, 2) ids of A and B; contacts of the last step, a copy as the next three")
+                             "(n, 3) world axes [rad/s]");
+}
+
+/// Contacts of the last step.
+void bind_contacts(py::class_<Run>& run) {
+  run.def_property_readonly(
+         "contact_bodies",
+         of_contacts<std::uint32_t>(2,
+                                    [](const World& w, const ContactSet& c, std::size_t k, std::uint32_t* to) {
+                                      to[0] = static_cast<std::uint32_t>(w.id[c.a[k]]);
+                                      to[1] = static_cast<std::uint32_t>(w.id[c.b[k]]);
+                                    }),
+         "(n, 2) ids of A and B; contacts of the last step, a copy as the next three")
       .def_property_readonly(
           "contact_gap",
           of_contacts<double>(1, [](const World&, const ContactSet& c, std::size_t k, double* to) { *to = c.gap[k]; }),
@@ -281,6 +287,24 @@ PYBIND11_MODULE(epafi, m) {
                                                    std::copy_n(f.data(), 3, to);
                                                  }),
                              "(n, 3) on A [N]");
+}
+
+}  // namespace
+
+PYBIND11_MODULE(epafi, m) {
+  m.doc() =
+      "Epafi: many-body contact. load() or build() a scene, step() it, read its columns as NumPy arrays without "
+      "copying.";
+  m.attr("__version__") = version();
+  bind_functions(m);
+  py::class_<Run> run(
+      m, "Run",
+      "A scene that runs. Arrays are views of its columns: always of the present moment, in the order of "
+      "slots (see id).");
+  bind_course(run);
+  bind_names(run);
+  bind_columns(run);
+  bind_contacts(run);
 }
 
 }  // namespace epafi

@@ -100,12 +100,14 @@ Chart run_patch_chart(const Study& study, const std::function<void(const std::st
     throw SceneError(study.file +
                      ": a study of a patch needs a reference, for example the half-space method on a fine grid");
   Chart chart;
-  chart.study = study, chart.time_label = "processor seconds per evaluation";
+  chart.study = study;
+  chart.time_label = "processor seconds per evaluation";
   const PatchResult reference = single(study, study.reference);
   chart.reference_error = reference.error_estimate;
   say(fmt::format("reference: its own error is {:.3g}", chart.reference_error));
   std::vector<std::vector<double>> times(study.methods.size());
-  chart.asks_accuracy = study.accuracy.has_value(), chart.accuracy = study.accuracy;
+  chart.asks_accuracy = study.accuracy.has_value();
+  chart.accuracy = study.accuracy;
   for (const StudyMethod& m : study.methods) chart.points.emplace_back().method = m;
   const auto begin = std::chrono::steady_clock::now();
   const auto spent = [&] {

@@ -247,7 +247,8 @@ Chart run_chart(const Study& study, const fs::path& folder, const std::function<
   Runner runner{study, folder, limits, say, {}};
   runner.find_truths();
   const std::vector<double>& own = runner.truths.begin()->second.own_errors;
-  chart.reference_error = own[0], chart.more_reference_errors.assign(own.begin() + 1, own.end());
+  chart.reference_error = own[0];
+  chart.more_reference_errors.assign(own.begin() + 1, own.end());
   std::vector<Case> cases;
   for (std::size_t k = 0; k < study.methods.size(); ++k) {
     const StudyMethod& m = study.methods[k];

@@ -33,6 +33,13 @@ double deepest(const ShapeStore& shapes, const World& world, double reach) {
 
 struct Found {
   int pairs = 0, missed = 0, too_deep = 0, off = 0;
+  /// One pair: the deepest gap found against the right one, by 1e-6 of the size.
+  void count(double gap, double exact, double size) {
+    ++pairs;
+    missed += gap == infinity;
+    too_deep += gap < exact - 1e-6 * size;
+    off += std::abs(gap - exact) > 1e-6 * size;
+  }
 };
 
 template <class A>
@@ -60,10 +67,7 @@ Found held(int count) {
     }
     const double exact = hull_answer(a, world.pose(0), hull, world.pose(1)).gap;
     const double gap = deepest<A>(shapes, world, 1e-3 * size);
-    ++out.pairs;
-    out.missed += gap == infinity;
-    out.too_deep += gap < exact - 1e-6 * size;
-    out.off += std::abs(gap - exact) > 1e-6 * size;
+    out.count(gap, exact, size);
   }
   return out;
 }
@@ -126,10 +130,7 @@ Found laid(const A& a, int count, std::uint64_t stream) {
     }
     const double exact = hull_answer(a, world.pose(0), solid, world.pose(1)).gap;
     const double gap = deepest<A>(shapes, world, 1e-3 * size);
-    ++out.pairs;
-    out.missed += gap == infinity;
-    out.too_deep += gap < exact - 1e-6 * size;
-    out.off += std::abs(gap - exact) > 1e-6 * size;
+    out.count(gap, exact, size);
   }
   return out;
 }
@@ -261,39 +262,33 @@ Found notched(const A& a, int count, std::uint64_t stream) {
     }
     if (!(std::abs(now.gap + depth) < 1e-9 * size)) continue;
     const double gap = deepest<A>(shapes, world, 1e-3 * size);
-    ++out.pairs;
-    out.missed += gap == infinity;
-    out.too_deep += gap < now.gap - 1e-6 * size;
-    out.off += std::abs(gap - now.gap) > 1e-6 * size;
+    out.count(gap, now.gap, size);
   }
   return out;
 }
 
+/// No contact is missed or too deep; at most `off` are off.
 template <class A>
-void check_laid(const A& a, int count, std::uint64_t stream) {
-  const Found f = laid(a, count, stream);
-  INFO(A::name << ": " << f.missed << " missed, " << f.too_deep << " too deep, " << f.off << " off");
-  CHECK(f.missed == 0);
-  CHECK(f.too_deep == 0);
-  CHECK(f.off == 0);
-}
-
-template <class A>
-void check_notched(const A& a, int count, std::uint64_t stream) {
-  const Found f = notched(a, count, stream);
-  INFO(A::name << ": " << f.missed << " missed, " << f.too_deep << " too deep, " << f.off << " off");
-  CHECK(f.missed == 0);
-  CHECK(f.too_deep == 0);
-  CHECK(f.off == 0);
-}
-
-template <class A>
-void check_held(int count, int off) {
-  const Found f = held<A>(count);
+void check_found(const Found& f, int off = 0) {
   INFO(A::name << ": " << f.missed << " missed, " << f.too_deep << " too deep, " << f.off << " off");
   CHECK(f.missed == 0);
   CHECK(f.too_deep == 0);
   CHECK(f.off <= off);
+}
+
+template <class A>
+void check_laid(const A& a, int count, std::uint64_t stream) {
+  check_found<A>(laid(a, count, stream));
+}
+
+template <class A>
+void check_notched(const A& a, int count, std::uint64_t stream) {
+  check_found<A>(notched(a, count, stream));
+}
+
+template <class A>
+void check_held(int count, int off) {
+  check_found<A>(held<A>(count), off);
 }
 
 }  // namespace

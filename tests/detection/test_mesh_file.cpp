@@ -29,8 +29,10 @@ std::string obj_text(const TriangleSurface& s, const char* format = "%.17g") {
     for (const double x : v) text.append(" ").append(number_text(x, format));
     text += "\n";
   }
-  for (const auto& t : s.triangles)
-    std::snprintf(line, sizeof line, "f %u/1/1 %u//2 %u\n", t[0] + 1, t[1] + 1, t[2] + 1), text += line;
+  for (const auto& t : s.triangles) {
+    std::snprintf(line, sizeof line, "f %u/1/1 %u//2 %u\n", t[0] + 1, t[1] + 1, t[2] + 1);
+    text += line;
+  }
   return text;
 }
 std::string ascii_stl(const TriangleSurface& s) {

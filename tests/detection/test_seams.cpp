@@ -187,28 +187,43 @@ TEST_CASE("a ridge of two roofs holds a sphere by one contact", "[detection][sea
   }
 }
 
+namespace {
+
+/// A unit square that repeats along x and y.
+PeriodicCell level_cell() {
+  PeriodicCell cell;
+  cell.size = Vec3(1, 1, 1);
+  cell.repeats = {true, true, false};
+  return cell;
+}
+
+/// United contacts of body 1 with body 0 and its eight images.
+ContactSet contacts_over_images(Setting& s) {
+  PairList list;
+  for (const int x : {0, -1, 1})
+    for (const int y : {0, -1, 1}) list.pairs.push_back({0, 1, image_code(x, y, 0) | image_code(x, y, 0) << 8});
+  list.generation = 1;
+  BatchNarrowPhase narrow(s.shapes, 0.0, false);
+  narrow.join_walls();
+  ContactSet found;
+  narrow.collide(s.world, list, found);
+  narrow.unite(s.world, found);
+  return found;
+}
+
+}  // namespace
+
 TEST_CASE("a floor as wide as a periodic cell, or wider, is met once", "[detection][seams]") {
   Random random(12, 0);
   for (int k = 0; k < 100; ++k) {
     Setting s(random);
     s.frame = {};
     const double wide = k % 3 == 0 ? 1.0 : random.uniform(1.0, 1.3), depth = random.uniform(1e-6, 1e-3);
-    PeriodicCell cell;
-    cell.size = Vec3(1, 1, 1);
-    cell.repeats = {true, true, false};
-    s.world.cell = cell;
+    s.world.cell = level_cell();
     s.add(block(Vec3(wide, wide, 0.1)), {Vec3(0.5, 0.5, -0.05), Quat(1, 0, 0, 0)});
     const auto place = [&] { return k % 2 == 0 ? 0.0 : random.uniform(-0.2, 0.2); };
     s.add_body(Sphere{0.1}, {Vec3(place(), place(), 0.1 - depth), Quat(1, 0, 0, 0)});
-    PairList list;
-    for (const int x : {0, -1, 1})
-      for (const int y : {0, -1, 1}) list.pairs.push_back({0, 1, image_code(x, y, 0) | image_code(x, y, 0) << 8});
-    list.generation = 1;
-    BatchNarrowPhase narrow(s.shapes, 0.0, false);
-    narrow.join_walls();
-    ContactSet found;
-    narrow.collide(s.world, list, found);
-    narrow.unite(s.world, found);
+    const ContactSet found = contacts_over_images(s);
     REQUIRE(found.size() == 1);
     CHECK_THAT(found.gap[0], WithinAbs(-depth, 1e-12));
   }
@@ -221,10 +236,7 @@ TEST_CASE("flat bodies on a floor of any width, its images over each other, stan
     Setting s(random);
     s.frame = {};
     const double wide = k % 5 == 0 ? 1.0 : random.uniform(1.0, 6.0);
-    PeriodicCell cell;
-    cell.size = Vec3(1, 1, 1);
-    cell.repeats = {true, true, false};
-    s.world.cell = cell;
+    s.world.cell = level_cell();
     s.add(block(Vec3(wide, wide, 0.1)), {Vec3(random.uniform(), random.uniform(), -0.05), Quat(1, 0, 0, 0)});
     const double tilt = k % 4 == 0 ? 0.0 : std::pow(10.0, random.uniform(-12, -2));
     const Quat turn = Quat(Eigen::AngleAxisd(tilt, testing::random_direction(random))) *
@@ -237,15 +249,7 @@ TEST_CASE("flat bodies on a floor of any width, its images over each other, stan
       const Box body = block(Vec3(0.18, 0.14, 0.16));
       s.add_body(body, pressed(body, turn, x, y, depth));
     }
-    PairList list;
-    for (const int i : {0, -1, 1})
-      for (const int j : {0, -1, 1}) list.pairs.push_back({0, 1, image_code(i, j, 0) | image_code(i, j, 0) << 8});
-    list.generation = 1;
-    BatchNarrowPhase narrow(s.shapes, 0.0, false);
-    narrow.join_walls();
-    ContactSet found;
-    narrow.collide(s.world, list, found);
-    narrow.unite(s.world, found);
+    const ContactSet found = contacts_over_images(s);
     INFO("draw " << k << ", width " << wide << ", tilt " << tilt << ", depth " << depth << ", at " << x << " " << y
                  << ", floor at " << s.world.position[0].transpose());
     CHECK_THAT(deepest(found), WithinAbs(depth, 1e-9));

@@ -5,10 +5,9 @@
 
 using namespace epafi;
 
-TEST_CASE("a kind of warning is one entry: first step, number of times, and the text of the worst",
-          "[engine][warnings]") {
-  Warnings w;
-  CHECK(w.empty());
+namespace {
+
+void add_two_kinds(Warnings& w) {
   w.add({.kind = "energy", .text = "open by 0.02", .first_step = 100, .first_time = 0.1, .value = 0.02});
   w.add({.kind = "solver",
          .text = "residual 1e-3",
@@ -16,6 +15,15 @@ TEST_CASE("a kind of warning is one entry: first step, number of times, and the 
          .first_time = 0.15,
          .value = 1e-3,
          .body = BodyId{4}});
+}
+
+}  // namespace
+
+TEST_CASE("a kind of warning is one entry: first step, number of times, and the text of the worst",
+          "[engine][warnings]") {
+  Warnings w;
+  CHECK(w.empty());
+  add_two_kinds(w);
   w.add({.kind = "energy", .text = "open by 0.3", .first_step = 200, .first_time = 0.2, .value = 0.3});
   w.add({.kind = "energy", .text = "open by 0.1", .first_step = 300, .first_time = 0.3, .value = 0.1});
   REQUIRE(w.all().size() == 2);
@@ -25,13 +33,7 @@ TEST_CASE("a kind of warning is one entry: first step, number of times, and the 
 
 TEST_CASE("warnings are state: they come back as they were saved", "[engine][warnings]") {
   Warnings w;
-  w.add({.kind = "energy", .text = "open by 0.02", .first_step = 100, .first_time = 0.1, .value = 0.02});
-  w.add({.kind = "solver",
-         .text = "residual 1e-3",
-         .first_step = 150,
-         .first_time = 0.15,
-         .value = 1e-3,
-         .body = BodyId{4}});
+  add_two_kinds(w);
   StateSnapshot kept;
   kept.save([&](StateVisitor& v) { w.visit(v); });
   const Warnings before = w;

@@ -120,6 +120,29 @@ TEST_CASE("normal contact on 32 by 32 cells is Hertz to 1e-3 in pressure and app
   }
 }
 
+namespace {
+
+/// Pressures of two regions, each loaded by the gap that a share of the other's pressures has opened, to and fro.
+std::vector<double> alternating(const PatchGrid& g, const std::array<std::vector<double>, 2>& gaps, double share,
+                                const NormalTarget& target) {
+  PressureKernel kernel(g, half_spaces);
+  std::vector<double> u(g.size()), p(g.size(), 0.0), one(g.size()), seen(g.size());
+  for (int round = 0; round < 30; ++round) {
+    const std::vector<double> before = p;
+    for (const bool upper : {false, true}) {
+      for (std::size_t k = 0; k < p.size(); ++k) one[k] = (g.y(k / g.nx) > 0.0) != upper ? share * before[k] : 0.0;
+      kernel.apply(one, u);
+      for (std::size_t k = 0; k < p.size(); ++k) seen[k] = gaps[upper ? 1 : 0][k] + u[k];
+      const auto s = solve_half_space_normal(g, seen, half_spaces, target, 1e-10);
+      for (std::size_t k = 0; k < p.size(); ++k)
+        if ((g.y(k / g.nx) > 0.0) == upper) p[k] = s.pressure[k];
+    }
+  }
+  return p;
+}
+
+}  // namespace
+
 TEST_CASE("regions apart press on each other with the share of their distance", "[laws][wheel_rail][long]") {
   // two balls side by side on one plane, 10 mm apart, the second 4 um behind the first
   const PatchGrid g{48, 112, 0.2e-3, 0.2e-3};
@@ -154,21 +177,8 @@ TEST_CASE("regions apart press on each other with the share of their distance", 
   CHECK(alone > 1.02 * whole.normal_force);
   // between: the share as a gap that the other region's pressures have closed, to and fro
   const InfluenceRange range{0.5 * apart, 1.5 * apart};
-  const double share = std::pow(0.5, 0.8);
   const HalfSpaceNormal part = solve(range);
-  PressureKernel kernel(g, half_spaces);
-  std::vector<double> u(g.size()), p(g.size(), 0.0), one(g.size()), seen(g.size());
-  for (int round = 0; round < 30; ++round) {
-    const std::vector<double> before = p;
-    for (const bool upper : {false, true}) {
-      for (std::size_t k = 0; k < p.size(); ++k) one[k] = (g.y(k / g.nx) > 0.0) != upper ? share * before[k] : 0.0;
-      kernel.apply(one, u);
-      for (std::size_t k = 0; k < p.size(); ++k) seen[k] = (upper ? second : first)[k] + u[k];
-      const auto s = solve_half_space_normal(g, seen, half_spaces, target, 1e-10);
-      for (std::size_t k = 0; k < p.size(); ++k)
-        if ((g.y(k / g.nx) > 0.0) == upper) p[k] = s.pressure[k];
-    }
-  }
+  const std::vector<double> p = alternating(g, {first, second}, std::pow(0.5, 0.8), target);
   double difference = 0.0, sum = 0.0;
   for (std::size_t k = 0; k < p.size(); ++k) {
     difference += std::abs(p[k] - part.pressure[k]);

@@ -7,6 +7,7 @@
 #include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/scene_text.h"
 #include "tests/viz_export/temporary_folder.h"
 
 using namespace epafi;
@@ -185,18 +186,15 @@ material = "m"
 fixed = true
 [[body]]
 name = "bar"
-shape = { clump = { spheres = [[0, 0, 0, 0.01], [0.1, 0, 0, 0.01]], mass = 0.4, inertia = [1e-4, 5e-4, 5e-4], centre = [0.025, 0, 0] } }
 material = "m"
 position = [0.025, 0, 0.01]
-[[measure]]
-name = "l"
-kind = "contact"
-between = ["left", "bar"]
-[[measure]]
-name = "r"
-kind = "contact"
-between = ["right", "bar"]
-)");
+[body.shape.clump]
+spheres = [[0, 0, 0, 0.01], [0.1, 0, 0, 0.01]]
+mass = 0.4
+inertia = [1e-4, 5e-4, 5e-4]
+centre = [0.025, 0, 0]
+)" + contact_measure("l", "left", "bar") +
+                        contact_measure("r", "right", "bar"));
   run.advance_to(0);
   CHECK(run.last("l", "normal_force") == Approx(3.0).epsilon(1e-3));
   CHECK(run.last("r", "normal_force") == Approx(1.0).epsilon(1e-3));

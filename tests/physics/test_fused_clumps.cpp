@@ -6,8 +6,7 @@
 #include "engine/threads/parallel.h"
 #include "engine/units/random.h"
 #include "tests/support/catch.h"
-#include "tests/support/same_contacts.h"
-#include "tests/support/unfused.h"
+#include "tests/support/fused_against_generic.h"
 
 using namespace epafi;
 using namespace epafi::experiments;
@@ -113,35 +112,11 @@ TEST_CASE("balls of clumps and held balls get the forces, the ledger and the con
   REQUIRE(settled.failure.empty());
   REQUIRE(settled.assembly->plan.fused_spheres);
   SceneRun fused = clump_run(c.text), generic = unfused(clump_run(c.text));
-  copy_state(settled, fused);
-  copy_state(settled, generic);
-  fused.simulation().start();
-  generic.simulation().start();
-  REQUIRE(generic.simulation().work.report.touching > c.more);
+  start_both(settled, fused, generic, c.more);
   CHECK(compare(fused, generic).force < 1e-11);  // sums of some ten terms, each to a few ulp of the largest
   CHECK(compare(fused, generic).torque < 1e-11);
-  for (int k = 0; k < 20; ++k) {
-    REQUIRE_FALSE(fused.simulation().advance(k == 19));
-    REQUIRE_FALSE(generic.simulation().advance(k == 19));
-  }
-  // rounding grows with the overlap's own: a gap of 1e-5 radii is known to 1e-11 of itself
-  const Difference after = compare(fused, generic);
-  CHECK(after.force < 1e-9);
-  CHECK(after.torque < 1e-9);
-  CHECK(after.velocity < 1e-10);
-  const StepReport &r = fused.simulation().work.report, &q = generic.simulation().work.report;
-  CHECK(r.touching == q.touching);
-  CHECK(r.elastic == Approx(q.elastic).epsilon(1e-9));
-  const auto &now = fused.simulation().ledger.last(), &ref = generic.simulation().ledger.last();
-  CHECK(now.dissipated == Approx(ref.dissipated).epsilon(1e-7));
-  CHECK(now.losses.viscous == Approx(ref.losses.viscous).epsilon(1e-7));
-  CHECK(now.losses.frictional == Approx(ref.losses.frictional).epsilon(1e-7).margin(1e-9 * ref.losses.viscous));
-  CHECK(std::abs(ref.work) > 0.0);  // of what is driven, or of the cell
-  CHECK(now.work == Approx(ref.work).epsilon(1e-7));
-  if (const auto& box = fused.simulation().world.cell)
-    CHECK((box->virial - generic.simulation().world.cell->virial).norm() < 1e-9 * box->virial.norm());
-  fused.simulation().pipeline.contact_model->publish(fused.simulation().world, fused.simulation().work.contacts);
-  check_same_contacts(fused.simulation().work.contacts, generic.simulation().work.contacts);
+  check_twenty_steps(fused, generic);
+  CHECK(std::abs(generic.simulation().ledger.last().work) > 0.0);  // of what is driven, or of the cell
 }
 
 TEST_CASE("balls of clumps give the same bits for every thread count and width, and from a state in the middle",

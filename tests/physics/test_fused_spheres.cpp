@@ -7,8 +7,7 @@
 #include "scenes/contact_setup.h"
 #include "scenes/sphere_split.h"
 #include "tests/support/catch.h"
-#include "tests/support/same_contacts.h"
-#include "tests/support/unfused.h"
+#include "tests/support/fused_against_generic.h"
 
 using namespace epafi;
 using namespace epafi::experiments;
@@ -114,36 +113,9 @@ TEST_CASE("the fused loop of spheres gives the forces, the ledger and the contac
   SceneRun settled = run_scene(c.scene, c.overrides, c.steps);
   REQUIRE(settled.assembly->plan.fused_spheres);
   SceneRun fused = prepare_scene(library(c.scene), c.overrides), generic = generic_run(c.scene, c.overrides);
-  copy_state(settled, fused);
-  copy_state(settled, generic);
-  fused.simulation().start();
-  generic.simulation().start();
-  REQUIRE(generic.simulation().work.report.touching > c.touching);
+  start_both(settled, fused, generic, c.touching);
   CHECK(compare(fused, generic).force < 1e-12);  // sums of some ten terms, each to a few ulp of the largest
-  for (int k = 0; k < 20; ++k) {
-    REQUIRE_FALSE(fused.simulation().advance(k == 19));
-    REQUIRE_FALSE(generic.simulation().advance(k == 19));
-  }
-  // rounding grows with the overlap's own: a gap of 1e-5 radii is known to 1e-11 of itself
-  const Difference after = compare(fused, generic);
-  CHECK(after.force < 1e-9);
-  CHECK(after.torque < 1e-9);
-  CHECK(after.velocity < 1e-10);
-  const StepReport &r = fused.simulation().work.report, &q = generic.simulation().work.report;
-  CHECK(r.touching == q.touching);
-  CHECK(r.elastic == Approx(q.elastic).epsilon(1e-9));
-  CHECK(fused.simulation().ledger.last().dissipated ==
-        Approx(generic.simulation().ledger.last().dissipated).epsilon(1e-7));
-  const Losses &lost = fused.simulation().ledger.last().losses, &ref = generic.simulation().ledger.last().losses;
-  CHECK(lost.viscous == Approx(ref.viscous).epsilon(1e-7));
-  CHECK(lost.frictional == Approx(ref.frictional).epsilon(1e-7).margin(1e-9 * ref.viscous));
-  CHECK(fused.simulation().ledger.last().work ==
-        Approx(generic.simulation().ledger.last().work).epsilon(1e-7).margin(1e-12));
-  if (const auto& cell = fused.simulation().world.cell)
-    CHECK((cell->virial - generic.simulation().world.cell->virial).norm() < 1e-9 * cell->virial.norm());
-
-  fused.simulation().pipeline.contact_model->publish(fused.simulation().world, fused.simulation().work.contacts);
-  check_same_contacts(fused.simulation().work.contacts, generic.simulation().work.contacts);
+  check_twenty_steps(fused, generic, 1e-12);
 }
 
 TEST_CASE("thousands of contacts that begin in one step are those of the generic loop", "[physics][fused][long]") {

@@ -6,6 +6,7 @@
 #include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/scene_text.h"
 
 using namespace epafi;
 using namespace epafi::experiments;
@@ -60,15 +61,8 @@ shape = { sphere = { radius = 0.05 } }
 material = "ball"
 position = [0.16, 0, 0]
 velocity = [-1, 0, 0]
-[[measure]]
-name = "inner"
-kind = "velocity"
-body = "inner"
-[[measure]]
-name = "outer"
-kind = "velocity"
-body = "outer"
-)";
+)" << velocity_measure("inner")
+                      << velocity_measure("outer");
   for (const auto& [law, outer] : {std::pair("newton", 0.0), {"poisson", 1.0}}) {
     auto run = prepare_scene(path.string(), {std::string("contact.nonsmooth.impact=") + law});
     run.simulation().start();

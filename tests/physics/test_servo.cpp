@@ -5,6 +5,7 @@
 
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/scene_text.h"
 
 using namespace epafi;
 using namespace epafi::experiments;
@@ -36,19 +37,8 @@ name = "ball"
 shape = { sphere = { radius = 0.05 } }
 material = "m"
 position = [0, 0, 0.0499]
-[[measure]]
-name = "top"
-kind = "contact"
-between = ["lid", "ball"]
-[[measure]]
-name = "bottom"
-kind = "contact"
-between = ["floor", "ball"]
-[[measure]]
-name = "lid"
-kind = "velocity"
-body = "lid"
-)";
+)" + contact_measure("top", "lid", "ball") +
+         contact_measure("bottom", "floor", "ball") + velocity_measure("lid");
 }
 
 }  // namespace
@@ -211,19 +201,8 @@ repeat = 2
 shape = { box = { size = [0.1, 0.1, 0.1] } }
 material = "m"
 position = [0, 0, "= 0.05 + 0.1*i"]
-[[measure]]
-name = "top"
-kind = "contact"
-between = ["plate", "cube"]
-[[measure]]
-name = "bottom"
-kind = "contact"
-between = ["floor", "cube"]
-[[measure]]
-name = "plate"
-kind = "velocity"
-body = "plate"
-)";
+)" + contact_measure("top", "plate", "cube") +
+         contact_measure("bottom", "floor", "cube") + velocity_measure("plate");
 }
 
 const char* const floor_at_rest = "fixed = true";

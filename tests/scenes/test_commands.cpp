@@ -16,13 +16,15 @@
 #include "scenes/foretold_time.h"
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
-#include "tests/support/captured.h"
+#include "tests/support/captured_run.h"
 #include "tests/support/catch.h"
 #include "tests/support/document.h"
+#include "tests/support/scene_text.h"
 #include "viz_export/files/json_reader.h"
 #include "viz_export/files/side_file.h"
 
 using namespace epafi;
+using experiments::half_space_floor;
 namespace fs = std::filesystem;
 
 namespace {
@@ -36,11 +38,8 @@ fs::path ball_in(const TemporaryFolder& folder, const std::string& more = {}) {
 world = { gravity = [0, 0, -9.81] }
 material.m = { density = 2500.0, youngs_modulus = "5 MPa", poissons_ratio = 0.3 }
 contact = { method = "nonsmooth", restitution = 0.5, friction = 0.5 }
-[[body]]
-shape = { half_space = { normal = [0, 0, 1] } }
-material = "m"
-fixed = true
-[[body]]
+)" << half_space_floor("m")
+                      << R"([[body]]
 name = "ball"
 shape = { sphere = { radius = 0.01 } }
 material = "m"
@@ -48,10 +47,6 @@ position = [0, 0, 0.02]
 velocity = [0.5, 0, 0]
 )" << more;
   return file;
-}
-
-Captured run_of(const fs::path& scene, const RunOptions& options, std::vector<std::string> overrides = {}) {
-  return captured([&] { return guarded([&] { return command_run({scene.string(), overrides}, options); }); });
 }
 
 }  // namespace
@@ -194,11 +189,8 @@ TEST_CASE("more bodies than memory holds are refused before they take it", "[sce
 
 TEST_CASE("a run that ends early tells the overlap it was left with", "[scenes][commands]") {
   const TemporaryFolder folder;
-  RunOptions o;
-  o.out = (folder / "out").string();
-  o.threads = 1;
+  RunOptions o = quiet_into(folder / "out");
   o.steps = 5;
-  o.quiet = true;
   const Captured run = run_of(ball_in(folder), o,
                               {"contact.method=smooth", "run.time_step=1e-5", "run.output_interval=1e-5",
                                "body.ball.position=[0, 0, 0.01]", "body.ball.velocity=[0, 0, -1]"});
@@ -240,7 +232,7 @@ until = { measure = "place", component = "x", above = 0.01, at_most = 0.1 }
   CHECK(read_json(folder / "out" / "summary.json").number("steps") == steps);
 }
 
-TEST_CASE("a run ends with the code of what ended it, and goes on from there", "[scenes][commands]") {
+TEST_CASE("a run goes on from where it ended, to the bits of an uncut one", "[scenes][commands]") {
   const TemporaryFolder folder;
   const fs::path scene = ball_in(folder);
   RunOptions o;
@@ -255,10 +247,7 @@ TEST_CASE("a run ends with the code of what ended it, and goes on from there", "
   rest.threads = 1;
   const Captured resumed = captured([&] { return guarded([&] { return command_resume(o.out, rest); }); });
   CHECK(resumed.code == exit_done);
-  RunOptions whole;
-  whole.out = (folder / "whole").string();
-  whole.threads = 1;
-  whole.quiet = true;
+  RunOptions whole = quiet_into(folder / "whole");
   CHECK(run_of(scene, whole).code == exit_done);
   const auto hash = [&](const std::string& run) {
     return read_json(fs::path(run) / "summary.json").text("state_hash");
@@ -281,6 +270,17 @@ TEST_CASE("a run ends with the code of what ended it, and goes on from there", "
   CHECK(captured([&] { return guarded([&] { return command_resume(o.out, seven); }); }).code == exit_done);
   CHECK(read_json(fs::path(o.out) / "summary.json").number("steps") == 107.0);
 
+  std::ofstream(scene, std::ios::app) << "# \n[[measure]]\nname = \"more\"\nkind = \"energy\"\n";
+  const Captured changed = captured([&] { return guarded([&] { return command_resume(o.out, rest); }); });
+  CHECK(changed.code == exit_usage);
+  CHECK_THAT(changed.err, Catch::Contains("has changed since the run was started"));
+}
+
+TEST_CASE("a run ends with the code of what ended it", "[scenes][commands]") {
+  const TemporaryFolder folder;
+  const fs::path scene = ball_in(folder);
+  RunOptions whole = quiet_into(folder / "whole");
+  CHECK(run_of(scene, whole).code == exit_done);
   CHECK(run_of(scene, whole).code == exit_usage);  // the folder is not empty
   whole.force = true;
   whole.time_limit = "never";
@@ -298,10 +298,6 @@ TEST_CASE("a run ends with the code of what ended it, and goes on from there", "
   const Captured lost = run_of(ball_in(folder), whole, {"world.domain={ min = [-1, -1, 0.015], max = [1, 1, 1] }"});
   CHECK(lost.code == exit_failed);
   CHECK_THAT(lost.err, Catch::Contains("body"));
-  std::ofstream(scene, std::ios::app) << "# \n[[measure]]\nname = \"more\"\nkind = \"energy\"\n";
-  const Captured changed = captured([&] { return guarded([&] { return command_resume(o.out, rest); }); });
-  CHECK(changed.code == exit_usage);
-  CHECK_THAT(changed.err, Catch::Contains("has changed since the run was started"));
 }
 
 TEST_CASE("a folder that a run writes into is refused to others until it has ended, and keeps what is not of a run",
@@ -338,10 +334,7 @@ TEST_CASE("a folder that a run writes into is refused to others until it has end
 TEST_CASE("numbers whose steps or energies no number holds are refused", "[scenes][commands]") {
   const TemporaryFolder folder;
   const fs::path scene = ball_in(folder);
-  RunOptions o;
-  o.out = (folder / "out").string();
-  o.threads = 1;
-  o.quiet = true;
+  RunOptions o = quiet_into(folder / "out");
   const auto refused = [&](const std::string& override) {
     const Captured c = run_of(scene, o, {override});
     CHECK(c.code == exit_usage);
@@ -366,10 +359,7 @@ TEST_CASE("numbers whose steps or energies no number holds are refused", "[scene
 
 TEST_CASE("results are exported and reported by the program", "[scenes][commands]") {
   const TemporaryFolder folder;
-  RunOptions o;
-  o.out = (folder / "out").string();
-  o.threads = 1;
-  o.quiet = true;
+  RunOptions o = quiet_into(folder / "out");
   REQUIRE(run_of(ball_in(folder), o).code == exit_done);
   const Captured csv = captured([&] { return command_export(o.out, "csv"); });
   CHECK_THAT(csv.err, Catch::Contains("3 snapshots") && Catch::Contains("not what contacts remember"));

@@ -12,6 +12,7 @@
 #include "tests/support/captured.h"
 #include "tests/support/catch.h"
 #include "tests/support/document.h"
+#include "tests/support/scene_text.h"
 #include "viz_export/files/json_reader.h"
 #include "viz_export/files/run_mark.h"
 #include "viz_export/measures/measure_rows.h"
@@ -24,28 +25,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* falling = R"toml(
+const std::string falling = R"toml(
 title = "Ten balls on a floor"
 [run]
 duration = 1000.0
 time_step = 2e-6
 output_interval = 0.005
 checkpoint_interval = 0.004
-[world]
-gravity = [0, 0, -9.81]
-[material.glass]
-density = 2500.0
-youngs_modulus = "5 MPa"
-poissons_ratio = 0.25
-[contact]
-method = "smooth"
-restitution = 0.5
-friction = 0.4
-[[body]]
-name = "floor"
-shape = { half_space = { normal = [0, 0, 1] } }
-material = "glass"
-fixed = true
+)toml" + experiments::soft_glass() +
+                            experiments::half_space_floor("glass") + R"toml(
 [[body]]
 name = "ball"
 repeat = 10
@@ -110,6 +98,47 @@ std::size_t frames_in(const fs::path& run) {
   return out;
 }
 
+/// The report and the page say that the run was cut, and hold all that it wrote.
+void check_report_of_cut(const fs::path& run) {
+  REQUIRE(program_result("report " + run.string()) == 0);
+  const std::string page = support::read_text(run / "report.html");
+  const std::size_t told = page.find("The run was cut off after t = ");
+  CHECK(told < page.find("class='cards'"));
+  for (const char* part : {"Pictures", "Energy balance", "Measures", "Settings"})
+    CHECK_THAT(page, Contains(std::string("<h2>") + part + "</h2>"));
+  if (page_parts().three[0] != '\0') CHECK_THAT(page, Contains("<h2>In three dimensions</h2>"));
+  CHECK_THAT(page, Contains("data:image/png") && Contains("epafi resume") && !Contains("Where the time went"));
+
+  const Captured watched = captured([&] { return command_watch(run.string()); });
+  CHECK(watched.code == 4);
+  CHECK_THAT(watched.out, Contains("the run was cut off after t = ") && Contains("run: energy,kinetic"));
+  CHECK_THAT(watched.out, Contains("run: contacts,number") && Contains("first,z"));
+}
+
+void check_page_of_cut(const fs::path& run, const fs::path& file) {
+  if (page_parts().three[0] == '\0') return;
+  REQUIRE(program_result("view " + run.string() + " --out " + file.string()) == 0);
+  const std::string mailed = support::read_text(file);
+  CHECK_THAT(mailed, Contains("\"running\": false") || Contains("\"running\":false"));
+  CHECK_THAT(mailed, Contains("the run was cut off after t = "));
+}
+
+/// It goes on to `end` [s].
+void check_resumed_until(const fs::path& run, double end) {
+  REQUIRE(program_result("resume " + run.string() + " -q --until " + std::to_string(end)) == 0);
+  CHECK(run_state(run).life == RunLife::over);
+  CHECK_FALSE(fs::exists(run / ".running"));
+  CHECK(open_run(run)->cut_text().empty());
+  // each time has been written once
+  double before = -1;
+  for (const MeasureRow& row : measure_rows(run / "progress.csv")) {
+    if (row.measure != "contacts" || row.component != "number") continue;
+    CHECK(row.time > before);
+    before = row.time;
+  }
+  CHECK(before == Approx(end).epsilon(1e-4));
+}
+
 }  // namespace
 
 TEST_CASE("a killed run has the full report, told as cut, and can be resumed", "[scenes][cut_run][long]") {
@@ -140,39 +169,9 @@ TEST_CASE("a killed run has the full report, told as cut, and can be resumed", "
     CHECK(facts.number("measures.first.z.last").value() == Approx(measure_rows(run / "measures.csv").back().value));
     CHECK(facts.number("energy.kinetic").has_value());
 
-    REQUIRE(program_result("report " + run.string()) == 0);
-    const std::string page = support::read_text(run / "report.html");
-    const std::size_t told = page.find("The run was cut off after t = ");
-    CHECK(told < page.find("class='cards'"));
-    for (const char* part : {"Pictures", "Energy balance", "Measures", "Settings"})
-      CHECK_THAT(page, Contains(std::string("<h2>") + part + "</h2>"));
-    if (page_parts().three[0] != '\0') CHECK_THAT(page, Contains("<h2>In three dimensions</h2>"));
-    CHECK_THAT(page, Contains("data:image/png") && Contains("epafi resume") && !Contains("Where the time went"));
-
-    const Captured watched = captured([&] { return command_watch(run.string()); });
-    CHECK(watched.code == 4);
-    CHECK_THAT(watched.out, Contains("the run was cut off after t = ") && Contains("run: energy,kinetic"));
-    CHECK_THAT(watched.out, Contains("run: contacts,number") && Contains("first,z"));
-
-    if (page_parts().three[0] != '\0') {
-      REQUIRE(program_result("view " + run.string() + " --out " + (folder / "page.html").string()) == 0);
-      const std::string mailed = support::read_text(folder / "page.html");
-      CHECK_THAT(mailed, Contains("\"running\": false") || Contains("\"running\":false"));
-      CHECK_THAT(mailed, Contains("the run was cut off after t = "));
-    }
-
-    REQUIRE(program_result("resume " + run.string() + " -q --until " + std::to_string(last + 0.01)) == 0);
-    CHECK(run_state(run).life == RunLife::over);
-    CHECK_FALSE(fs::exists(run / ".running"));
-    CHECK(open_run(run)->cut_text().empty());
-    // each time has been written once
-    double before = -1;
-    for (const MeasureRow& row : measure_rows(run / "progress.csv")) {
-      if (row.measure != "contacts" || row.component != "number") continue;
-      CHECK(row.time > before);
-      before = row.time;
-    }
-    CHECK(before == Approx(last + 0.01).epsilon(1e-4));
+    check_report_of_cut(run);
+    check_page_of_cut(run, folder / "page.html");
+    check_resumed_until(run, last + 0.01);
   }
 }
 

@@ -5,6 +5,7 @@
 #include "scenes/session.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/scene_text.h"
 #include "tests/viz_export/temporary_folder.h"
 #include "viz_export/hdf5/stored_run.h"
 
@@ -13,16 +14,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const char* two_bodies = R"(
+const std::string two_bodies = R"(
 run = { duration = 0.04, time_step = 1e-3, output_interval = 5e-3 }
 world = { gravity = [0, 0, -9.81] }
 material.m = { density = 2500.0, youngs_modulus = "5 MPa", poissons_ratio = 0.3 }
 contact = { method = "nonsmooth", restitution = 0.5, friction = 0.5 }
-[[body]]
-shape = { half_space = { normal = [0, 0, 1] } }
-material = "m"
-fixed = true
-[[body]]
+)" + experiments::half_space_floor("m") +
+                               R"([[body]]
 name = "stone"
 shape = { box = { size = [0.01, 0.02, 0.015] } }
 material = "m"

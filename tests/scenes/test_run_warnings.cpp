@@ -1,10 +1,10 @@
 // What a run says of itself where its energy balance opens, and of overlaps between the looks.
 #include <fstream>
 
-#include "scenes/cli/commands.h"
-#include "tests/support/captured.h"
+#include "tests/support/captured_run.h"
 #include "tests/support/catch.h"
 #include "tests/support/document.h"
+#include "tests/support/scene_text.h"
 #include "viz_export/files/json_reader.h"
 
 using namespace epafi;
@@ -20,11 +20,8 @@ fs::path thrown_ball(const TemporaryFolder& folder, double dt, const std::string
 world = { gravity = [0, 0, -9.81] }
 material.m = { density = 2500.0 }
 contact = { method = "smooth", restitution = 1.0, friction = 0.0, smooth = { law = "linear", stiffness = 1e4 } }
-[[body]]
-shape = { half_space = { normal = [0, 0, 1] } }
-material = "m"
-fixed = true
-[[body]]
+)" << experiments::half_space_floor("m")
+                      << R"([[body]]
 name = "ball"
 shape = { sphere = { radius = 0.01 } }
 material = "m"
@@ -33,17 +30,7 @@ position = [0, 0, 0.0099]
   return file;
 }
 
-Captured run_of(const fs::path& scene, const RunOptions& options) {
-  return captured([&] { return guarded([&] { return command_run({scene.string(), {}}, options); }); });
-}
-
-RunOptions into(const TemporaryFolder& folder) {
-  RunOptions o;
-  o.out = (folder / "out").string();
-  o.threads = 1;
-  o.quiet = true;
-  return o;
-}
+RunOptions into(const TemporaryFolder& folder) { return quiet_into(folder / "out"); }
 
 }  // namespace
 

@@ -124,32 +124,25 @@ std::vector<long double> twice_integrated(const std::vector<long double>& a, lon
   return x;
 }
 
-}  // namespace
+using Conditions = std::array<long double, 3>;
 
-TEST_CASE("the table under the wall follows the integral of its record to 1e-9 m", "[scenes][stages]") {
-  // The baseline takes a parabola off the rows so that end, speed and mean of the way vanish: Cramer's rule on the ways
-  // of 1, s and s^2. A stretch has the mean h/2 (x_k + x_k+1) - h^3/24 (a_k + a_k+1).
-  const long double h = 0.02L;
-  const auto rows = record_rows();
-  REQUIRE(rows.size() == 2001);
-  const std::size_t n = rows.size();
-  const auto conditions = [&](const std::vector<long double>& a) {
-    const auto x = twice_integrated(a, h);
-    long double mean = 0.0L;
-    for (std::size_t k = 0; k + 1 < n; ++k)
-      mean += 0.5L * h * (x[k] + x[k + 1]) - h * h * h / 24.0L * (a[k] + a[k + 1]);
-    return std::array<long double, 3>{x[n - 1], x[n], mean};
-  };
-  std::array<std::vector<long double>, 3> power;
-  for (int p = 0; p < 3; ++p)
-    for (std::size_t k = 0; k < n; ++k)
-      power[static_cast<std::size_t>(p)].push_back(std::pow(static_cast<long double>(k) / (n - 1.0L), p));
-  std::array<std::array<long double, 3>, 3> m;
-  for (std::size_t p = 0; p < 3; ++p) m[p] = conditions(power[p]);
-  const auto determinant = [](const std::array<std::array<long double, 3>, 3>& c) {
-    return c[0][0] * (c[1][1] * c[2][2] - c[1][2] * c[2][1]) - c[1][0] * (c[0][1] * c[2][2] - c[0][2] * c[2][1]) +
-           c[2][0] * (c[0][1] * c[1][2] - c[0][2] * c[1][1]);
-  };
+/// End, speed and mean of the way of rows of acceleration. A stretch has the mean
+/// h/2 (x_k + x_k+1) - h^3/24 (a_k + a_k+1).
+Conditions conditions_of(const std::vector<long double>& a, long double h) {
+  const auto x = twice_integrated(a, h);
+  const std::size_t n = a.size();
+  long double mean = 0.0L;
+  for (std::size_t k = 0; k + 1 < n; ++k) mean += 0.5L * h * (x[k] + x[k + 1]) - h * h * h / 24.0L * (a[k] + a[k + 1]);
+  return {x[n - 1], x[n], mean};
+}
+
+long double determinant_of(const std::array<Conditions, 3>& c) {
+  return c[0][0] * (c[1][1] * c[2][2] - c[1][2] * c[2][1]) - c[1][0] * (c[0][1] * c[2][2] - c[0][2] * c[2][1]) +
+         c[2][0] * (c[0][1] * c[1][2] - c[0][2] * c[1][1]);
+}
+
+/// A table that follows the record of the library, alone.
+SceneRun table_run() {
   ReadResult read = read_scene_text(
       "[run]\nduration = 41\ntime_step = 0.01\noutput_interval = 0.4\n[material.m]\ndensity = 2000.0\n"
       "[contact]\nmethod = \"nonsmooth\"\nrestitution = 0.0\nfriction = 0.0\n"
@@ -157,17 +150,35 @@ TEST_CASE("the table under the wall follows the integral of its record to 1e-9 m
       "motion = { file = \"record.csv\", of = \"acceleration\", unit = \"mm/s^2\", baseline = \"quadratic\" }\n",
       library("stages/scene.toml"), {}, full_registry());
   for (const Problem& p : read.problems) UNSCOPED_INFO(p.to_string());
-  SceneRun run = prepare(std::move(read));
+  return prepare(std::move(read));
+}
+
+}  // namespace
+
+TEST_CASE("the table under the wall follows the integral of its record to 1e-9 m", "[scenes][stages]") {
+  // The baseline takes a parabola off the rows so that end, speed and mean of the way vanish: Cramer's rule on the ways
+  // of 1, s and s^2.
+  const long double h = 0.02L;
+  const auto rows = record_rows();
+  REQUIRE(rows.size() == 2001);
+  const std::size_t n = rows.size();
+  std::array<std::vector<long double>, 3> power;
+  for (int p = 0; p < 3; ++p)
+    for (std::size_t k = 0; k < n; ++k)
+      power[static_cast<std::size_t>(p)].push_back(std::pow(static_cast<long double>(k) / (n - 1.0L), p));
+  std::array<Conditions, 3> m;
+  for (std::size_t p = 0; p < 3; ++p) m[p] = conditions_of(power[p], h);
+  SceneRun run = table_run();
   run.simulation().start();
   std::array<std::vector<long double>, 3> way;
   for (int c = 0; c < 3; ++c) {
     std::vector<long double> a;
     for (const Vec3& row : rows) a.push_back(row[c]);
-    const auto raw = conditions(a);
+    const Conditions raw = conditions_of(a, h);
     for (std::size_t p = 0; p < 3; ++p) {
       auto replaced = m;
       replaced[p] = raw;
-      const long double share = determinant(replaced) / determinant(m);
+      const long double share = determinant_of(replaced) / determinant_of(m);
       for (std::size_t k = 0; k < n; ++k) a[k] -= share * power[p][k];
     }
     way[static_cast<std::size_t>(c)] = twice_integrated(a, h);

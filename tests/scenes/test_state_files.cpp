@@ -157,9 +157,10 @@ TEST_CASE("a hull without orientation is exported without one", "[scenes][export
   CHECK(std::abs(values[7]) + std::abs(values[8]) + std::abs(values[9]) < 1e-15);
 }
 
-TEST_CASE("rows with orientations of principal axes, as older versions wrote them, are read as the state they were",
-          "[scenes][export]") {
-  const std::string hulls = R"x(
+namespace {
+
+/// Four walls on a floor; SHAPE stands for that of the grains.
+const std::string walls_and_shape = R"x(
 shape.g = { SHAPE }
 [[body]]
 name = "floor"
@@ -174,6 +175,26 @@ position = ["= -0.012*cos(i*pi/2)", "= -0.012*sin(i*pi/2)", 0]
 material = "stone"
 fixed = true
 )x";
+
+/// Free bodies as older versions wrote them: principal axes are those of the world's bodies.
+std::string principal_rows(const World& w) {
+  std::string rows = "x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz\n";
+  for (Slot s = 0; s < w.size(); ++s) {
+    if (!w.is_movable(s)) continue;
+    const Vec3 &x = w.position[s], &v = w.velocity[s], &spin = w.angular_velocity[s];
+    const Quat& q = w.orientation[s];
+    for (const double value :
+         {x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), q.w(), q.x(), q.y(), q.z(), spin.x(), spin.y()})
+      rows += fmt::format("{:.17g},", value);
+    rows += fmt::format("{:.17g}\n", spin.z());
+  }
+  return rows;
+}
+
+}  // namespace
+
+TEST_CASE("rows with orientations of principal axes, as older versions wrote them, are read as the state they were",
+          "[scenes][export]") {
   std::string head = state_head.substr(0, state_head.find("[[body]]"));
   head.replace(head.find("0.04"), 4, "0.08");
   const auto shapes = {
@@ -183,7 +204,7 @@ fixed = true
   for (const std::string shape : shapes) {
     INFO(shape);
     const TemporaryFolder folder;
-    std::string walls = hulls;
+    std::string walls = walls_and_shape;
     walls.replace(walls.find("SHAPE"), 5, shape);
     const std::string fill =
         "[[fill]]\nname = \"g\"\nshape = \"g\"\nmaterial = \"wood\"\ncount = 40\n"
@@ -194,17 +215,7 @@ fixed = true
     const World& w = was.simulation->world;
     const ContactPieces pieces(w, was.simulation->work.contacts);
     REQUIRE(measure_overlap(w, pieces, *was.shapes).max_relative < 0.1);
-    std::string rows = "x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz\n";  // principal axes are those of the world's bodies
-    for (Slot s = 0; s < w.size(); ++s) {
-      if (!w.is_movable(s)) continue;
-      const Vec3 &x = w.position[s], &v = w.velocity[s], &spin = w.angular_velocity[s];
-      const Quat& q = w.orientation[s];
-      for (const double value :
-           {x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), q.w(), q.x(), q.y(), q.z(), spin.x(), spin.y()})
-        rows += fmt::format("{:.17g},", value);
-      rows += fmt::format("{:.17g}\n", spin.z());
-    }
-    std::ofstream(folder / "old.csv") << rows;
+    std::ofstream(folder / "old.csv") << principal_rows(w);
     const std::string file = "[[bodies]]\nfile = \"old.csv\"\nmaterial = \"wood\"\nshape = \"g\"\n";
     const auto again = assembled(head + walls + file, folder.path());
     REQUIRE(!again->warnings.empty());

@@ -225,7 +225,8 @@ TEST_CASE("a budget ends a study coarse, and says so", "[scenes][study]") {
   CHECK(map.cases.empty());
   CHECK_THAT(limits_verdict(map), Catch::Contains("the budget was spent"));
   Study chart_study = read_study(library + "studies/impact_laws.toml", {});
-  chart_study.program = program, chart_study.budget = 1e-6;
+  chart_study.program = program;
+  chart_study.budget = 1e-6;
   const Chart chart = run_chart(chart_study, folder.path(), silent);
   for (const ChartPoint& p : chart.points) CHECK(p.status == "not_run");
   CHECK_FALSE(chart.recommended);
@@ -292,9 +293,10 @@ vary = [ { name = "all", "narrow.method" = ["auto", "gjk-epa"] }, { name = "deep
   CHECK_THROWS_WITH(chart_of(study, folder.path(), silent), Catch::Contains("'mpr' is none of auto, sat, gjk-epa"));
 }
 
-TEST_CASE("a chart of a wheel-rail case has Hertz' errors against boundary elements", "[scenes][study]") {
-  const TemporaryFolder folder;
-  std::ofstream(folder / "case.toml") << R"(params = { load = 80e3 }
+namespace {
+
+/// A loaded wheel on a rail, rolling.
+constexpr const char* patch_case = R"(params = { load = 80e3 }
 [material.steel]
 shear_modulus = "82 GPa"
 poissons_ratio = 0.28
@@ -305,6 +307,12 @@ radii = { x1 = 0.46, x2 = inf, y1 = inf, y2 = 0.3 }
 load = "= load"
 creepage = { longitudinal = -0.002 }
 )";
+
+}  // namespace
+
+TEST_CASE("a chart of a wheel-rail case has Hertz' errors against boundary elements", "[scenes][study]") {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "case.toml") << patch_case;
   const std::string head =
       "scene = \"case.toml\"\nreference = { \"patch.normal\" = \"half-space\", \"patch.tangential\" = \"fastsim\" }\n";
   const std::string vary =

@@ -37,6 +37,8 @@ TEST_CASE("a folder of runs and tables is told by what it holds and who takes it
   CHECK_THAT(text, Contains("chart.csv and 6 runs") && Contains("`epafi report " + name + "`"));
   CHECK_THAT(text, Contains("`epafi render " + name + "/case_0000`") && Contains("case_0003 ...)"));
   CHECK(runs_in(folder.path()).size() == 6);
+  CHECK(runs_in(folder.path(), "run.h5") ==
+        std::vector<fs::path>{folder / "case_0000", folder / "case_0002", folder / "case_0004"});
   CHECK_THROWS_WITH(open_run(folder.path(), "view"), Contains("is no single run") && Contains("epafi report"));
   CHECK_THAT(no_run_text(folder / "chart.csv", "view"), Contains("is a file"));
 }

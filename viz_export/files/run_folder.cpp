@@ -17,12 +17,14 @@ std::vector<fs::path> files_with(const fs::path& folder, const std::string& endi
   return out;
 }
 
-std::vector<fs::path> runs_in(const fs::path& folder) {
+std::vector<fs::path> runs_in(const fs::path& folder, const std::string& file) {
+  const std::vector<std::string> any =
+      file.empty() ? std::vector<std::string>{"summary.json", "run.h5"} : std::vector<std::string>{file};
   std::vector<fs::path> out;
   std::error_code none;
   for (const auto& entry : fs::directory_iterator(folder, none)) {
-    if (!entry.is_directory()) continue;
-    if (fs::exists(entry.path() / "summary.json") || fs::exists(entry.path() / "run.h5")) out.push_back(entry.path());
+    const auto holds = [&](const std::string& name) { return fs::exists(entry.path() / name, none); };
+    if (std::any_of(any.begin(), any.end(), holds)) out.push_back(entry.path());
   }
   std::sort(out.begin(), out.end());
   return out;

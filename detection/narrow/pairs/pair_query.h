@@ -85,7 +85,11 @@ class ContactSink {
   /// Opens the pair that the next points belong to.
   /// image: of the contact's key, in a periodic cell.
   void begin(Slot a, Slot b, std::uint32_t image = 0) {
-    a_ = a, b_ = b, first_ = out_.size(), flipped_ = false, image_ = Feature{image} << 56;
+    a_ = a;
+    b_ = b;
+    first_ = out_.size();
+    flipped_ = false;
+    image_ = Feature{image} << 56;
     part_ = 0;
     depth_ = 0;
     offset_.setZero();
@@ -93,7 +97,8 @@ class ContactSink {
   /// The next points are those of part k of a body; offset: of the part from A's centre where it is A's, else 0 [m].
   /// The number stands in bits 48 to 55 of the feature, that of a part within a part in the eight below.
   void enter_part(std::size_t k, const Vec3& offset) {
-    depth_ += 1, part_ |= Feature{k} << (56 - 8 * depth_);
+    depth_ += 1;
+    part_ |= Feature{k} << (56 - 8 * depth_);
     offset_ += offset;
   }
   void leave_part(const Vec3& offset) {

@@ -4,6 +4,25 @@
 
 namespace epafi {
 
+/// Prefetches the bodies B of later pairs, beyond the n that are tested now.
+template <int n>
+EPAFI_LANES void fetch_ahead(const SpherePlaces* pair, const SphereArrays& with) {
+  for (int l = 0; l < n; ++l) {  // A's lines are those of the pair before
+    const BodyState& soon = with.state(pair[SphereBlocks::pairs_ahead + l].b);
+    __builtin_prefetch(&soon.position);
+    __builtin_prefetch(&soon.spin);
+  }
+}
+
+/// Bodies of the chosen pairs into the rows from `to` on.
+template <int n>
+EPAFI_LANES void write_bodies(const SpherePlaces* pair, const ChosenLanes<n>& chosen, char* to) {
+  static_assert(sizeof(SpherePlaces) == sizeof(double));
+  typename LanesOf<n>::Real places;
+  std::memcpy(&places, pair, sizeof places);
+  compress<n>(places, chosen, to + offsetof(SphereTile<n>, bodies));
+}
+
 /// Adds those of the n pairs from `k` on that touch, or are `held` (a bit each) within the reach, as contacts from
 /// number `at` on, and returns one bit for each. The normals of all n are found here: their root and division wait
 /// beside the look at the next ones.
@@ -35,21 +54,15 @@ EPAFI_LANES std::size_t look(SphereTile<n>& t, std::size_t at, const SpherePlace
     d.z += filled<n>(1e-130);  // no rounding, but the normal is z where centres are one
     const V square = d.dot(d);
     bits = less_bits<n>(square, radii * radii);
-    if (with.reach > 0.0) {
-      const V far = radii + filled<n>(with.reach);
-      bits |= held & less_bits<n>(square, far * far);
-    }
+    const V far = radii + filled<n>(with.reach);
+    if (with.reach > 0.0) bits |= held & less_bits<n>(square, far * far);
     distance = sqrt(square);
     const V both = distance * (1.0 / (square * radii));  // over both; neither root nor division waits for the other
     d = (radii * both) * d;
     overlap = radii - distance;
     curvature = distance * both;
   }
-  for (int l = 0; l < n; ++l) {  // A's lines are those of the pair before
-    const BodyState& soon = with.state(pair[SphereBlocks::pairs_ahead + l].b);
-    __builtin_prefetch(&soon.position);
-    __builtin_prefetch(&soon.spin);
-  }
+  fetch_ahead<n>(pair, with);
   const ChosenLanes<n> chosen(bits);
   using Tile = SphereTile<n>;
   char* const to = t.row_from(at);
@@ -61,10 +74,7 @@ EPAFI_LANES std::size_t look(SphereTile<n>& t, std::size_t at, const SpherePlace
     compress<n>(curvature, chosen, to + offsetof(Tile, curvature));
   }
   if constexpr (periodic && !wall) compress<n>(distance, chosen, to + offsetof(Tile, distance));
-  V places;
-  static_assert(sizeof(SpherePlaces) == sizeof(double));
-  std::memcpy(&places, pair, sizeof places);
-  compress<n>(places, chosen, to + offsetof(Tile, bodies));
+  write_bodies<n>(pair, chosen, to);
   if constexpr (periodic) write_places<n>(static_cast<unsigned>(bits), static_cast<std::uint32_t>(k), t.pair + at);
   return bits;
 }
