@@ -71,9 +71,9 @@ def bed(count=10000):
     return head() + GRAVITY + box(0.13) + fill(count, [0.001, 0.001, 0.001], [0.129, 0.129, 0.12])
 
 
-def pour():
+def pour(count=20000):
     more = 'method = "pour"\nrate = 20000\nvelocity = [0, 0, -2]'
-    return head() + GRAVITY + box(0.13) + fill(20000, [0.004, 0.004, 0.5], [0.126, 0.126, 0.6], more)
+    return head() + GRAVITY + box(0.13) + fill(count, [0.004, 0.004, 0.5], [0.126, 0.126, 0.6], more)
 
 
 def drum(planes=48, rate=2.0):
@@ -129,6 +129,7 @@ ROWS = {  # scene, settled until [s], steps
     "straining cell": (lambda: cell(0.1736465692892682, 20000, ", strain_rate = [-0.8, -0.8, -0.8]", 'method = "random"'), 0.3, 100),
     "periodic gas": (lambda: cell(0.546952419723944, 50000, "", "velocity_deviation = 1.0", restitution=0.95, friction=0.1), 0.01, 60),
     "pour, 20 000 a second": (pour, 0.3, 200),
+    "pour that has ended": (lambda: pour(6000), 0.3, 200),
     "clumps of one ball": (lambda: bodies_bed(clump([(0, 0, 0, 0.0025)]), 1000, 0.005, 2e-5), 0.15, 600),
     "clumps of three balls": (lambda: bodies_bed(clump(ROD), 600, 0.01, 2e-5), 0.15, 600),
     "clumps of eight balls": (lambda: bodies_bed(clump(CUBE), 600, 0.008, 2e-5), 0.15, 600),

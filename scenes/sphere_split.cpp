@@ -10,24 +10,46 @@ namespace epafi {
 void WornPairs::find_pairs(const World& world, PairList& pairs) {
   const bool grown = list_->take_in(world, pairs);
   const std::uint64_t before = pairs.generation;
-  if (!used_up_.out && !list_->keeps_pairs(world)) used_up_ = {true, list_->used_up_by_slow()};
+  const bool measured = grown && list_->bodies().are_round();  // one look for both
+  if (measured)
+    used_up_ = measure(world);
+  else if (!used_up_.out && !list_->keeps_pairs(world))
+    used_up_ = {true, list_->used_up_by_slow()};
   if (used_up_.out) {
     if (FusedSpheres* const m = model()) m->forget_margins();
     list_->renew_pairs(world, pairs, used_up_.by_slow);
   }
   used_up_ = {};
-  used_margin_.clear();
+  if (!measured) used_margin_.clear();
   const bool fresh = pairs.generation != before;
   if (!fresh && !ways_known_ && !grown) return;  // what the list has gone through is not known then
   if (FusedSpheres* const m = model()) m->expect(list_->bodies().common_motion(world.time));
-  const std::size_t block_size = model() ? model()->block_size() : SphereBlocks::largest_block;
-  used_margin_.assign((world.size() + block_size - 1) / block_size, 0.0);
-  if (fresh) return;
+  if (fresh)
+    used_margin_.assign(blocks(world), 0.0);
+  else if (!measured)
+    measure(world);
+}
+
+std::size_t WornPairs::block_size() const { return model() ? model()->block_size() : SphereBlocks::largest_block; }
+
+std::size_t WornPairs::blocks(const World& world) const { return (world.size() + block_size() - 1) / block_size(); }
+
+/// Takes used_margin_ from where the bodies are.
+ListState WornPairs::measure(const World& world) {
+  const FatBodies& bodies = list_->bodies();
   const auto at = [&](std::size_t s) -> const Vec3& { return world.position[s]; };
-  const ListFrame now = list_->bodies().frame(world);
-  parallel_blocks(world.size(), block_size, [&](std::size_t begin, std::size_t end, std::size_t b) {
-    used_margin_[b] = list_->bodies().used_margin(begin, end, at, now).most - now.strain_use;
+  const ListFrame now = bodies.frame(world);
+  std::vector<MarginUse>& found = block_results<MarginUse>(blocks(world), MarginUse{});
+  parallel_blocks(world.size(), block_size(), [&](std::size_t begin, std::size_t end, std::size_t b) {
+    found[b] = bodies.used_margin(begin, end, at, now);
   });
+  ListState state{bodies.plane_use(world, now) > 1.0, false};
+  used_margin_.resize(found.size());
+  for (std::size_t b = 0; b < found.size(); ++b) {
+    used_margin_[b] = found[b].most - now.strain_use;
+    state += found[b].used_up;
+  }
+  return state;
 }
 
 /// What is known of the ways so far holds for this step too: bodies went nowhere else. A cell that has grown has drawn
@@ -97,7 +119,7 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
     list.planes.push_back({s, world.material[s],
                            world.pose(s).orientation * planes[ShapeRef{world.shape[s]}.index()].normal,
                            world.position[s]});
-  if (!known_ || bodies_ != world.size()) read_bodies(world);
+  if (!known_ || bodies_ != world.size()) read_bodies(world, known_ && bodies_ < world.size() ? bodies_ : 0);
   list.balls = balls_;
   if (alone_) list.inverse_half_margin = pairs.inverse_half_margin;
   model_.set_pairs(world, list);
@@ -106,21 +128,26 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
   bodies_ = world.size();
 }
 
-void SphereSplit::read_bodies(const World& world) {
+/// Those from slot `first` on; the others are known.
+void SphereSplit::read_bodies(const World& world, std::size_t first) {
   const auto& spheres = shapes_.of<Sphere>();
-  UnwrittenColumn<double> radius(world.size());
-  parallel_for(world.size(), [&](std::size_t i) {
-    const auto s = static_cast<Slot>(i);
+  const std::size_t count = world.size() - first;
+  UnwrittenColumn<double> radius(count);
+  parallel_for(count, [&](std::size_t i) {
+    const auto s = static_cast<Slot>(first + i);
     const bool free = roles_.of(world, s) == SphereRole::sphere;
     radius[i] = free ? spheres[ShapeRef{world.shape[s]}.index()].radius : 0.0;
   });
-  alone_ = block_max<char>(world.size(), 0, [&](std::size_t i) {
-             const bool sphere = radius[i] > 0.0;
-             const bool plane = ShapeRef{world.shape[i]}.type() == ShapeStore::type_of<HalfSpace>();
-             return static_cast<char>(!sphere && !plane && !roles_.is_fixed(world, static_cast<Slot>(i)));
-           }) == 0;
-  model_.set_bodies(std::move(radius));
-  balls_ = find_balls(world, shapes_, roles_);
+  const bool others = block_max<char>(count, 0, [&](std::size_t i) {
+                        const auto s = static_cast<Slot>(first + i);
+                        const bool sphere = radius[i] > 0.0;
+                        const bool plane = ShapeRef{world.shape[s]}.type() == ShapeStore::type_of<HalfSpace>();
+                        return static_cast<char>(!sphere && !plane && !roles_.is_fixed(world, s));
+                      }) != 0;
+  alone_ = !others && (first == 0 || alone_);
+  const bool only_spheres = std::ranges::all_of(radius, [](double r) { return r > 0.0; });
+  model_.set_bodies(std::move(radius), first);
+  if (first == 0 || !only_spheres) balls_ = find_balls(world, shapes_, roles_);
 }
 
 }  // namespace epafi

@@ -31,6 +31,9 @@ class WornPairs final : public BroadPhase {
 
  private:
   bool goes_on(const World& world);
+  std::size_t block_size() const;
+  std::size_t blocks(const World& world) const;
+  ListState measure(const World& world);
   /// Null where it is another one.
   FusedSpheres* model() const { return dynamic_cast<FusedSpheres*>(pipeline_.contact_model.get()); }
 
@@ -58,7 +61,7 @@ class SphereSplit final : public NarrowPhase {
 
  private:
   void split(const World& world, const PairList& pairs);
-  void read_bodies(const World& world);
+  void read_bodies(const World& world, std::size_t first);
 
   const ShapeStore& shapes_;
   std::unique_ptr<NarrowPhase> others_;

@@ -1,5 +1,6 @@
 #include "detection/broad/broad_phase.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "detection/broad/periodic_pairs.h"
@@ -30,7 +31,8 @@ bool ListBroadPhase::take_in(const World& world, PairList& pairs) {
   if (!valid_ || world.size() <= old || world.size() > old + most_taken_in) return false;
   if (!bodies_.take_in(world, setup_, step_time_)) return false;
   collector_.add_behind(old, balls_.size(), pairs);
-  name_margins(pairs);
+  if (!(setup_.margin > 0.0)) pairs.margin = std::max(pairs.margin, bodies_.largest_margin(old));
+  pairs.inverse_half_margin = bodies_.inverse_half_margin;
   if (setup_.spheres.wanted) balls_.take_more(world, setup_, bodies_, pairs);
   ++pairs.generation;
   return true;

@@ -356,8 +356,9 @@ ListState FatBodies::used_up(const World& world) const {
   return {true, any([&](std::size_t i) { return slow_[i] != 0 && is_beyond(world, i, rotates, now); })};
 }
 
-double FatBodies::largest_margin() const {
-  return block_max<double>(inverse_half_margin.size(), 0.0, [&](std::size_t i) { return 2.0 * half_margin(i); });
+double FatBodies::largest_margin(std::size_t first) const {
+  return block_max<double>(inverse_half_margin.size() - first, 0.0,
+                           [&](std::size_t i) { return 2.0 * half_margin(first + i); });
 }
 
 // --- half-spaces that move: the distance of a point from a plane changes by an affine function of the point, so its

@@ -166,7 +166,10 @@ struct FatBodies {
   ListFrame frame(const World& world) const;
   /// Some bounded body is fixed or driven: a cell that deforms flows past it.
   bool holds_bounded() const { return holds_bounded_; }
-  double largest_margin() const;
+  /// Of the bodies from slot `first` on.
+  double largest_margin(std::size_t first = 0) const;
+  /// All are spheres and half-spaces: used_margin and plane_use say all of their ways.
+  bool are_round() const { return round_; }
   /// From `now` on: the frame in which margins hold.
   CommonMotion common_motion(double now) const {
     return {common_motion_.velocity_at(now - taken_at_), common_motion_.acceleration};

@@ -1,9 +1,11 @@
 /// @file report.h  What a step did: counts, times, energies, residual. Numerical trouble is a value here, not an
 /// exception.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <numeric>
 #include <string>
 
 #include "engine/state/types.h"
@@ -31,24 +33,30 @@ struct SolverTrouble {
   std::uint32_t slot = 0;  ///< of a body it is about
 };
 
-enum class Stage { integrate, broad_phase, narrow_phase, contact, output };
-inline constexpr std::array<const char*, 5> stage_names{"integrate", "broad_phase", "narrow_phase", "contact",
-                                                        "output"};
+/// events: what stands between two steps: driven motion, servo walls, sources, outlets, removal, sorts, wrap and strain
+/// of a cell, loads, ledger and watches.
+enum class Stage { integrate, broad_phase, narrow_phase, contact, events, output };
+inline constexpr std::size_t stage_count = 6;
+inline constexpr std::array<const char*, stage_count> stage_names{"integrate", "broad_phase", "narrow_phase",
+                                                                  "contact",   "events",      "output"};
 
 /// Wall seconds by stage, and those of them outside loops that are shared out over threads.
 struct StageSeconds {
-  std::array<double, 5> seconds{}, serial{};
+  std::array<double, stage_count> seconds{}, serial{};
   double& operator[](Stage s) { return seconds[static_cast<std::size_t>(s)]; }
   double operator[](Stage s) const { return seconds[static_cast<std::size_t>(s)]; }
+  double all() const { return std::accumulate(seconds.begin(), seconds.end(), 0.0); }
 };
 
 /// Adds the time since the last lap to a stage.
 class StageTimer {
  public:
   explicit StageTimer(StageSeconds& seconds) : seconds_(seconds), last_(Clock::now()), shared_(SharedOut::seconds()) {}
-  void lap(Stage stage) {
+  /// booked: of this time, seconds that stand in a stage already.
+  void lap(Stage stage, double booked = 0.0) {
     const auto now = Clock::now();
-    const double shared = SharedOut::seconds(), all = std::chrono::duration<double>(now - last_).count();
+    const double shared = SharedOut::seconds();
+    const double all = std::max(0.0, std::chrono::duration<double>(now - last_).count() - booked);
     seconds_[stage] += all;
     seconds_.serial[static_cast<std::size_t>(stage)] += all - (shared - shared_);
     last_ = now;

@@ -80,6 +80,7 @@ void Simulation::enter(const Entry& entry) {
 }
 
 std::optional<Failure> Simulation::advance(bool last, bool run_on) {
+  StageTimer timer(work.report.seconds);
   if (parts_of_step) come_home();
   int parts = parts_of_step ? parts_of_step(world) : 1;
   if (step_watch) parts = std::max(parts, step_watch->parts());
@@ -87,17 +88,19 @@ std::optional<Failure> Simulation::advance(bool last, bool run_on) {
   const bool sort = sorts_now();
   ++steps_;
   for (int part = 0; part < parts; ++part) {
-    auto failure = make_step(time_step / parts, sort && part == 0, run_on && !last && nobody_looks());
+    auto failure = make_step(time_step / parts, sort && part == 0, run_on && !last && nobody_looks(), timer);
     if (failure) return failure;
     deepest = std::max(deepest, work.report.deepest);
   }
   work.report.deepest = deepest;
   parts_made_ += static_cast<std::uint64_t>(parts);
-  StageTimer timer(work.report.seconds);
+  timer.lap(Stage::events);
   observe(last);
   timer.lap(Stage::output);
-  if (auto failure = look_at_step()) return failure;
-  return look_at_energy();
+  auto failure = look_at_step();
+  if (!failure) failure = look_at_energy();
+  timer.lap(Stage::events);
+  return failure;
 }
 
 std::optional<Failure> Simulation::look_at_step() {
@@ -151,13 +154,14 @@ double Simulation::held_power() const {
   });
 }
 
-std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on) {
-  if (remote) return make_remote_step(dt, sort);
+std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on, StageTimer& timer) {
+  if (remote) return make_remote_step(dt, sort, timer);
   prepare(dt, sort);
   const RunOn leave{[this](const Extent& seen) { return seen.is_inside(watched()); }, domain.has_value()};
   const bool rest = run_on && std::ranges::all_of(events, [&](const auto& e) { return e->rests_next(world, dt); });
   if (loads) loads->before_step(world, dt);
-  step(world, pipeline, work, dt, rest ? &leave : nullptr);
+  timer.lap(Stage::events);
+  step(world, pipeline, work, dt, timer, rest ? &leave : nullptr);
   work.report.deepest = block_max<double>(work.contacts.size(), work.report.deepest,
                                           [&](std::size_t k) { return -work.contacts.gap[k]; });
   ledger.add(work.report, dt * world.gravity.norm());
@@ -166,7 +170,7 @@ std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on) 
 }
 
 /// The state comes here only where something is to be done with it.
-std::optional<Failure> Simulation::make_remote_step(double dt, bool sort) {
+std::optional<Failure> Simulation::make_remote_step(double dt, bool sort, StageTimer& timer) {
   if (sort || !leaving_.empty() || !away_.rest || dt != away_.dt) {
     come_home();
     away_.sent = false;
@@ -179,7 +183,10 @@ std::optional<Failure> Simulation::make_remote_step(double dt, bool sort) {
   away_.stepped = true;
   if (loads) loads->set(world, world.clock + 0.5 * dt);  // those of the bodies are at work elsewhere
   work.contacts.clear();
+  timer.lap(Stage::events);
+  const double booked = work.report.seconds.all();
   const bool sound = remote->step(dt, watched(), work.report);
+  timer.lap(Stage::events, work.report.seconds.all() - booked);
   world.time += dt;
   world.clock += dt;
   world.fallen += dt * world.gravity;

@@ -85,8 +85,8 @@ class Simulation {
   void count_movable();
   void take_out();
   void welcome(std::size_t before);
-  std::optional<Failure> make_step(double dt, bool sort, bool run_on);
-  std::optional<Failure> make_remote_step(double dt, bool sort);
+  std::optional<Failure> make_step(double dt, bool sort, bool run_on, StageTimer& timer);
+  std::optional<Failure> make_remote_step(double dt, bool sort, StageTimer& timer);
   void prepare(double dt, bool sort);
   double held_power() const;
   bool nobody_looks() const;

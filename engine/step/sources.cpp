@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/threads/exact_sum.h"
+#include "engine/threads/parallel.h"
 #include "engine/units/random.h"
 
 namespace epafi {
@@ -68,12 +69,30 @@ void PourBodies::visit(StateVisitor& visitor) {
   visitor.value("pour/" + setup_.name + "/tried", tried_);
 }
 
-void Outlet::before_step(World& world, double, std::vector<BodyId>& leaving) {
+/// Until the next look [s].
+double Outlet::wait(const World& world, double dt) const {
+  if (steps_ <= 1) return 0.0;
+  const double fastest = block_max<double>(world.size(), 0.0, [&](std::size_t s) {
+    return world.is_movable(static_cast<Slot>(s)) ? world.velocity[s].norm() : 0.0;
+  });
+  const double most = steps_ * dt, deep = 0.02 * (high_ - low_).minCoeff();
+  return fastest * most > deep ? deep / fastest : most;
+}
+
+void Outlet::before_step(World& world, double dt, std::vector<BodyId>& leaving) {
+  if (!is_due(world.time, dt)) return;
+  next_look_ = world.time + wait(world, dt);
   const std::vector<BodyId> gone = leaving;  // those that another has taken are not counted here
   ExactSum mass;
-  for (Slot s = 0; s < world.size(); ++s) {
+  const auto is_inside = [&](std::size_t s) {
     const Vec3& x = world.position[s];
-    if ((x.array() < low_.array()).any() || (x.array() > high_.array()).any() || !world.is_movable(s)) continue;
+    return (x.array() >= low_.array()).all() && (x.array() <= high_.array()).all() &&
+           world.is_movable(static_cast<Slot>(s));
+  };
+  const auto any = [&](std::size_t s) { return static_cast<char>(is_inside(s)); };
+  if (block_max<char>(world.size(), 0, any) == 0) return;
+  for (Slot s = 0; s < world.size(); ++s) {
+    if (!is_inside(s)) continue;
     if (std::ranges::find(gone, world.id[s]) != gone.end()) continue;
     leaving.push_back(world.id[s]);
     tally_.count += 1.0;
@@ -85,6 +104,7 @@ void Outlet::before_step(World& world, double, std::vector<BodyId>& leaving) {
 void Outlet::visit(StateVisitor& visitor) {
   visitor.value("outlet/" + name_ + "/count", tally_.count);
   visitor.value("outlet/" + name_ + "/mass", tally_.mass);
+  if (visitor.has("outlet/" + name_ + "/next_look")) visitor.value("outlet/" + name_ + "/next_look", next_look_);
 }
 
 }  // namespace epafi

@@ -1,6 +1,7 @@
 /// @file sources.h  Bodies that come and go while a run lasts: sources that pour, outlets that delete with a count.
 #pragma once
 #include <functional>
+#include <limits>
 #include <string>
 
 #include "engine/step/events.h"
@@ -51,18 +52,29 @@ struct Tally {
   double count = 0.0, mass = 0.0;  ///< [-], [kg]
 };
 
-/// Takes out every free body whose centre is in a box, and counts it.
+/// Takes out every free body whose centre is in a box, and counts it. A removal lays all bodies, pairs and springs out
+/// anew: it looks every `steps` steps only, or as often as the fastest body needs for a fiftieth of the box's thinnest
+/// side, so that none comes far or passes unseen.
 class Outlet final : public Event {
  public:
-  Outlet(std::string name, const Vec3& low, const Vec3& high) : name_(std::move(name)), low_(low), high_(high) {}
+  Outlet(std::string name, const Vec3& low, const Vec3& high, int steps = 1)
+      : name_(std::move(name)), low_(low), high_(high), steps_(steps) {}
   void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
+  bool rests_next(const World& world, double dt) const override { return !is_due(world.time + dt, dt); }
   void visit(StateVisitor& visitor) override;
   const std::string& name() const { return name_; }
   const Tally& tally() const { return tally_; }
 
  private:
+  bool is_due(double time, double dt) const {
+    return time + 0.5 * dt >= next_look_ || time + (steps_ + 0.5) * dt < next_look_;  // the second: another clock
+  }
+  double wait(const World& world, double dt) const;
+
   std::string name_;
   Vec3 low_, high_;
+  int steps_;
+  double next_look_ = -std::numeric_limits<double>::infinity();  ///< World::time [s]
   Tally tally_;
 };
 

@@ -18,8 +18,12 @@ double watched(World& world, Pipeline& stage, double dt, const Half& half) {
 
 }  // namespace
 
-void step(World& world, Pipeline& stage, Workspace& work, double dt, const RunOn* run_on) {
+void step(World& world, Pipeline& stage, Workspace& work, double dt) {
   StageTimer timer(work.report.seconds);
+  step(world, stage, work, dt, timer);
+}
+
+void step(World& world, Pipeline& stage, Workspace& work, double dt, StageTimer& timer, const RunOn* run_on) {
   work.report.deepest = work.report.deepest_relative = 0.0;
   StepClock clock{dt, stage.scheme->velocity_lag(), stage.scheme.get(), nullptr, run_on};
   double held = 0.0;

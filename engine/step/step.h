@@ -12,8 +12,9 @@ struct Workspace {
 };
 
 /// Advances the world by one step: integrate, find pairs, find contacts, let them act, integrate. run_on: as
-/// StepClock::run_on.
-void step(World& world, Pipeline& stage, Workspace& work, double dt, const RunOn* run_on = nullptr);
+/// StepClock::run_on. timer: at its last lap when the step begins.
+void step(World& world, Pipeline& stage, Workspace& work, double dt, StageTimer& timer, const RunOn* run_on = nullptr);
+void step(World& world, Pipeline& stage, Workspace& work, double dt);
 
 /// Evaluates the contact forces of the present state, without moving anything.
 void evaluate_forces(World& world, Pipeline& stage, Workspace& work);

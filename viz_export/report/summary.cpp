@@ -8,8 +8,9 @@ namespace epafi {
 namespace {
 
 void put_stages(JsonWriter& json, const StageSeconds& seconds) {
-  constexpr std::array order{Stage::broad_phase, Stage::narrow_phase, Stage::contact, Stage::integrate, Stage::output};
-  const auto put = [&](const char* key, const std::array<double, 5>& values) {
+  constexpr std::array order{Stage::broad_phase, Stage::narrow_phase, Stage::contact,
+                             Stage::integrate,   Stage::events,       Stage::output};
+  const auto put = [&](const char* key, const std::array<double, stage_count>& values) {
     json.key(key).begin_object();
     for (const Stage s : order)
       json.member(stage_names[static_cast<std::size_t>(s)], values[static_cast<std::size_t>(s)]);

@@ -4,6 +4,9 @@
 ///   (S + lambda 1) r_T = W_TN q_N / W_NN - q_T,   r_N = -(q_N + W_NT r_T) / W_NN,
 /// and lambda is a root of |r_T| - mu r_N, positive at 0 (outside the cone) and negative for lambda to infinity.
 #pragma once
+#include <cmath>
+#include <limits>
+
 #include "engine/lanes/lanes.h"
 #include "laws/nonsmooth/cone.h"
 #include "laws/nonsmooth/contact_problem.h"
@@ -27,19 +30,13 @@ struct NsgsRule {
     if (mu <= 0.0) return {-q.x() / d.nn, 0.0, 0.0};
     const auto at = [&](double lambda) {
       const double p = d.s11 + lambda, s = d.s22 + lambda, inverse = 1.0 / (p * s - d.s12 * d.s12);
-      const double t1 = (s * b1 - d.s12 * b2) * inverse, t2 = (p * b2 - d.s12 * b1) * inverse;
-      return Vec3(-(q.x() + d.tn1 * t1 + d.tn2 * t2) / d.nn, t1, t2);
+      return Point{lambda, p, s, inverse, (s * b1 - d.s12 * b2) * inverse, (p * b2 - d.s12 * b1) * inverse};
     };
-    const auto excess = [&](const Vec3& r) { return tangential_norm(r) - mu * r.x(); };
-    Vec3 r = at(0.0);
-    double low = 0.0, excess_low = excess(r);
-    if (excess_low <= 0.0) return r;
-    double high = std::max(d.s11 + d.s22, 1e-12 * d.nn);  // scale of S; grows until it brackets
-    while (excess(at(high)) > 0.0) {
-      low = high;
-      high *= 4.0;
-    }
-    return slip(at, excess, low, high, mu);
+    const auto normal = [&](const Point& x) { return -(q.x() + d.tn1 * x.t1 + d.tn2 * x.t2) / d.nn; };
+    const Point sticking = at(0.0);
+    if (sticking.length() <= mu * normal(sticking)) return {normal(sticking), sticking.t1, sticking.t2};
+    const Point end = slip(d, mu, sticking, at, normal);
+    return project_disk({normal(end), end.t1, end.t2}, mu * std::max(0.0, normal(end)));
   }
   Vec3 update(const Data& d, double mu, const Vec3& r, const Vec3& u) const {
     // q = u - W r with W_TT = S + W_TN W_NT / W_NN
@@ -129,29 +126,33 @@ struct NsgsRule {
     }
   };
 
-  /// Illinois form of regula falsi (Dowell and Jarratt 1971) to rounding; bisects where it stalls, 100 halvings at
-  /// most.
-  template <class At, class Excess>
-  static Vec3 slip(const At& at, const Excess& excess, double low, double high, double mu) {
-    double f_low = excess(at(low)), f_high = excess(at(high));
-    Vec3 r = at(high);
-    for (int k = 0; k < 100 && high - low > 1e-15 * high; ++k) {
-      const bool bisect = k % 4 == 3 || !(f_low > f_high);
-      const double mid = bisect ? 0.5 * (low + high) : (low * f_high - high * f_low) / (f_high - f_low);
-      r = at(mid);
-      const double f = excess(r);
-      if (std::abs(f) <= 1e-16 * std::abs(r.x())) break;
-      if (f > 0.0) {
-        low = mid;
-        f_low = f;
-        f_high *= 0.5;
-      } else {
-        high = mid;
-        f_high = f;
-        f_low *= 0.5;
-      }
+  /// The impulses of one contact at one lambda.
+  struct Point {
+    double lambda, p, s, inverse, t1, t2;
+    double length() const { return std::sqrt(t1 * t1 + t2 * t2); }
+  };
+  /// The same search for one contact.
+  template <class At, class Normal>
+  static Point slip(const Data& d, double mu, Point now, const At& at, const Normal& normal) {
+    constexpr double rounding = 1e-15;
+    double low = 0.0, high = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < 64; ++k) {
+      const double length = now.length(), pressed = normal(now), value = mu * pressed / length - 1.0;
+      if (std::abs(value) <= rounding) break;
+      (value < 0.0 ? low : high) = now.lambda;
+      const double w1 = (now.s * now.t1 - d.s12 * now.t2) * now.inverse;
+      const double w2 = (now.p * now.t2 - d.s12 * now.t1) * now.inverse;
+      const double of_normal = (d.tn1 * w1 + d.tn2 * w2) / d.nn;
+      const double of_length = (now.t1 * w1 + now.t2 * w2) / (length * length);
+      const double slope = mu * (of_normal + pressed * of_length) / length;
+      const double newton = now.lambda - value / slope, scale = std::max(d.s11 + d.s22, 1e-12 * d.nn);
+      const bool leads_on = slope > 0.0 && newton > low && newton < high;
+      const double halved = std::isfinite(high) ? 0.5 * (low + high) : std::max(4.0 * now.lambda, scale);
+      const double next = leads_on ? newton : halved;
+      if (std::abs(next - now.lambda) <= rounding * next) break;
+      now = at(next);
     }
-    return project_disk(r, mu * std::max(0.0, r.x()));
+    return now;
   }
 };
 

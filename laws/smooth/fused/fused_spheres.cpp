@@ -31,7 +31,15 @@ class FusedModel final : public FusedSpheres {
   bool waits_for_pairs() const override { return !blocks_.laid_out(); }
   void forget_margins() override { inverse_half_margin_ = {}; }
   void expect(const CommonMotion& drift) override { drift_ = drift, since_drift_ = 0.0; }
-  void set_bodies(UnwrittenColumn<double> radius) override { radius_.swap(radius); }
+  void set_bodies(UnwrittenColumn<double> radius, std::size_t first) override {
+    if (first > 0 && !radius_.empty()) {  // those of before are still to be told
+      EPAFI_REQUIRE(first_ + radius_.size() == first, "bodies come behind the others");
+      for (const double r : radius) radius_.push_back(r);
+      return;
+    }
+    radius_.swap(radius);
+    first_ = first;
+  }
 
   void set_pairs(const World& world, const SphereList& list) override {
     inverse_half_margin_ = list.inverse_half_margin;
@@ -77,7 +85,7 @@ class FusedModel final : public FusedSpheres {
     const bool balls = !blocks_.balls().empty();
     world.set_states_before(blocks_.balls().size());
     if (!radius_.empty()) {
-      blocks_.set_constants(world, radius_);
+      blocks_.set_constants(world, radius_, first_);
       release(radius_);
     }
     // reads the force of the last step: before the generic loop writes
@@ -199,6 +207,18 @@ class FusedModel final : public FusedSpheres {
   /// Whether one material is that of all spheres.
   void find_materials(const World& world) {
     const std::vector<BodyBall>& balls = blocks_.balls().all();
+    if (first_ > 0 && own_ < laws_.materials) {  // it was that of those before
+      bool same = true;
+      for (std::size_t k = 0; k < radius_.size(); ++k)
+        same = same && !(radius_[k] > 0.0 && world.material[first_ + k] != own_);
+      if (same) return;
+      own_ = laws_.materials;
+    }
+    if (first_ > 0) {
+      material_.clear();
+      if (!balls.empty()) by_place(world.material, material_);
+      return;
+    }
     const auto first = std::find_if(radius_.begin(), radius_.end(), [](double r) { return r > 0.0; });
     if (first == radius_.end() && balls.empty()) return;
     own_ = world.material[balls.empty() ? static_cast<std::size_t>(first - radius_.begin()) : balls.front().body];
@@ -438,6 +458,7 @@ class FusedModel final : public FusedSpheres {
   bool others_ = false;
   bool predicted_ = false;                         ///< the states say how fast the bodies are at the detection
   UnwrittenColumn<double> radius_;                 ///< of bodies in new slots [m]; empty: they are known
+  std::size_t first_ = 0;                          ///< slot of the first of radius_
   CommonMotion drift_;                             ///< beside which ways are counted
   double since_drift_ = 0.0;                       ///< it began so long ago [s]
   std::span<const float> inverse_half_margin_;     ///< as SphereList::inverse_half_margin

@@ -167,16 +167,17 @@ void SphereBlocks::welcome(const World& world) {
   late_spins_.resize(needs_.rolling ? balls_.size() + bodies_ : 0);
 }
 
-void SphereBlocks::set_constants(World& world, std::span<const double> radius) {
+void SphereBlocks::set_constants(World& world, std::span<const double> radius, std::size_t first) {
   plain_.resize((world.size() + 3) / 4);
   const bool may_be_plain = has_plain_bodies(world);
   const std::span<BodyState> states = world.states();
   parallel_for(
-      plain_.size(),
-      [&](std::size_t four) {
+      plain_.size() - first / 4,
+      [&](std::size_t k) {
+        const std::size_t four = first / 4 + k;
         plain_[four] = may_be_plain && are_plain(world, 4 * four);
-        for (std::size_t s = 4 * four; s < std::min(world.size(), 4 * four + 4); ++s) {
-          states[s].position[3] = states[s].spin[3] = radius[s];
+        for (std::size_t s = std::max(first, 4 * four); s < std::min(world.size(), 4 * four + 4); ++s) {
+          states[s].position[3] = states[s].spin[3] = radius[s - first];
           if (world.columns().anisotropy) states[s].predicted[3] = world.inverse_inertia_of(static_cast<Slot>(s)).x();
         }
       },

@@ -133,8 +133,9 @@ class SphereBlocks {
 
   /// Adds what other blocks found for the bodies of block i to the sums of its accumulator.
   void receive(std::size_t i, std::size_t accumulator);
-  /// What of the bodies' states is ours and stays, and which bodies are plain; radius: by slot, of free spheres [m].
-  void set_constants(World& world, std::span<const double> radius);
+  /// What of the bodies' states is ours and stays, and which bodies are plain; radius: of free spheres, of the bodies
+  /// from slot `first` on [m].
+  void set_constants(World& world, std::span<const double> radius, std::size_t first = 0);
   /// Bodies that came since the last layout, behind the others: as those without contacts until the next one.
   void welcome(const World& world);
   /// Bodies of the last layout, or welcome since.
