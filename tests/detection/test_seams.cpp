@@ -307,6 +307,37 @@ TEST_CASE("a box that leans is not stopped where its front comes over the next t
   }
 }
 
+TEST_CASE("a joint that leans does not stop a body that comes over it", "[detection][seams]") {
+  Random random(18, 0);
+  for (int k = 0; k < 400; ++k) {
+    Setting s(random);
+    const double lean = random.uniform(-1.0, 1.0), low = random.uniform(-5e-7, 0.0), high = random.uniform(-5e-7, 0.0);
+    for (const double side : {-1.0, 1.0}) {
+      std::vector<Vec3> corners;
+      for (const double y : {-1.0, 1.0})
+        corners.insert(corners.end(), {Vec3(0, y, 0), Vec3(side, y, 0), Vec3(-0.2 * std::tan(lean), y, -0.2),
+                                       Vec3(side - 0.2 * std::tan(lean), y, -0.2)});
+      const Vec3 centre = 0.125 * std::accumulate(corners.begin(), corners.end(), Vec3(Vec3::Zero()));
+      for (Vec3& c : corners) c -= centre;
+      const HullSurface surface = hull_from_points(corners);
+      s.add(ConvexHull::from_faces(surface.vertices, surface.faces).hull,
+            {centre + Vec3(0, 0, side < 0.0 ? low : high), Quat(1, 0, 0, 0)});
+    }
+    const double ahead = random.uniform(-5e-3, 5e-3), rise = low + random.uniform(-1e-7, 1e-7);
+    const Quat along(Eigen::AngleAxisd(0.5 * testing::pi, Vec3::UnitX()));
+    if (k % 3 == 0)
+      s.add_body(block(Vec3(0.2, 0.2, 0.2)), {Vec3(-0.1 + ahead, 0, 0.1 + rise), Quat(1, 0, 0, 0)});
+    else if (k % 3 == 1)
+      s.add_body(Sphere{0.1}, {Vec3(6.0 * ahead, 0, 0.1 + rise), Quat(1, 0, 0, 0)});
+    else
+      s.add_body(Cylinder(0.1, 0.2), {Vec3(6.0 * ahead, 0, 0.1 + rise), along});
+    const ContactSet found = s.contacts(6e-3);  // as non-smooth contact foresees
+    INFO("draw " << k << ", lean " << lean << ", tops " << low << " " << high << ", ahead " << ahead);
+    REQUIRE(found.size() > 0);
+    for (const Vec3& n : found.normal) CHECK(n.dot(s.up()) > 0.99);
+  }
+}
+
 TEST_CASE("the parts of a solid are one surface, for what slides on it and for itself", "[detection][seams]") {
   Random random(13, 0);
   for (int k = 0; k < 100; ++k) {
@@ -334,4 +365,45 @@ TEST_CASE("the parts of a solid are one surface, for what slides on it and for i
     for (const Vec3& n : found.normal) REQUIRE(n.dot(s.up()) > 1.0 - 1e-9);
     CHECK_THAT(deepest(found), WithinAbs(depth, 1e-9));
   }
+}
+
+namespace {
+
+/// Free capsules that overlap at random, some side by side: one beside the next, as if they were planks of a floor.
+void add_capsules(Setting& s, Random& random) {
+  for (int row = 0; row < 3; ++row)
+    for (int k = 0; k < 6; ++k) {
+      const double wide = random.uniform(0.095, 0.1), high = row == 1 ? 0.095 : 0.0;
+      const Quat turn =
+          row == 2 ? testing::random_turn(random) : Quat(Eigen::AngleAxisd(0.5 * testing::pi, Vec3::UnitX()));
+      s.add_body(Capsule(0.05, random.uniform(0.1, 0.4)),
+                 {Vec3(k * wide, random.uniform(0, 0.1), high + 0.09 * row), turn});
+    }
+}
+
+}  // namespace
+
+TEST_CASE("free capsules are no walls to their neighbours: what they meet is left as it is", "[detection][seams]") {
+  Random random(17, 0);
+  std::size_t seen = 0;
+  for (int k = 0; k < 50; ++k) {
+    Setting s(random);
+    if (k % 2 == 0) s.add(HalfSpace{Vec3::UnitZ()}, {Vec3(0, 0, -0.049), Quat(1, 0, 0, 0)});
+    add_capsules(s, random);
+    PairList list;
+    list.generation = 1;
+    for (Slot a = 0; a < s.world.size(); ++a)
+      for (Slot b = a + 1; b < s.world.size(); ++b) list.pairs.push_back({a, b});
+    BatchNarrowPhase narrow(s.shapes, 0.0, false);
+    narrow.join_walls();
+    ContactSet found;
+    narrow.collide(s.world, list, found);
+    const ContactSet met = found;
+    narrow.unite(s.world, found);
+    seen += met.size();
+    REQUIRE(found.feature == met.feature);
+    REQUIRE(found.gap == met.gap);
+    REQUIRE(found.normal == met.normal);
+  }
+  CHECK(seen > 1000);
 }
