@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "detection/broad/all_broad_phases.h"
+#include "engine/step/servo_event.h"
 #include "laws/nonsmooth/nonsmooth_contact.h"
 #include "scenes/generators.h"
 #include "scenes/held_probe.h"
@@ -49,7 +50,7 @@ void drive(Assembly& a, BodyId id, const BodySpec& spec, const Vec3& position) {
   if (!spec.servo) return;
   const double elapsed = a.elapsed(spec.servo->since);
   if (a.scene.contact.method.value == Method::smooth) {
-    events.push_back(std::make_unique<ServoWall>(id, spec.servo->servo, elapsed));
+    events.push_back(std::make_unique<ServoEvent>(id, spec.servo->servo, elapsed, a.simulation->ledger));
     return;
   }
   const auto wall = std::make_shared<GivingWall>(GivingWall{id, spec.servo->servo});

@@ -37,14 +37,15 @@ struct Survey {
   std::map<std::uint16_t, Smallest> free;  ///< by material
   std::map<std::uint16_t, bool> held;      ///< materials of fixed and driven bodies
   std::size_t free_bodies = 0, held_bodies = 0;
-  double fall = 0.0;           ///< through the bodies' height [m/s]
-  double speed = 0.0;          ///< largest of the start and of the fall through the bodies' height [m/s]
-  double diameter = infinity;  ///< of the smallest free body [m]
-  double fastest = 0.0;        ///< at the start [m/s]
-  double load = 0.0;           ///< weights, external forces and servo walls, all together [N]
-  double pressed = 0.0;        ///< by the strongest servo wall, part of the load [N]
-  double plate_mass = 0.0;     ///< of the lightest servo wall without gains [kg]; 0: there is none
-  double pressure = 0.0;       ///< of a cell [Pa]
+  double fall = 0.0;                       ///< through the bodies' height [m/s]
+  double speed = 0.0;                      ///< largest of the start and of the fall through the bodies' height [m/s]
+  double diameter = infinity;              ///< of the smallest free body [m]
+  double fastest = 0.0;                    ///< at the start [m/s]
+  double load = 0.0;                       ///< weights, external forces and servo walls, all together [N]
+  double pressed = 0.0;                    ///< by the strongest servo wall, part of the load [N]
+  double plate_mass = 0.0;                 ///< of the lightest servo wall without gains [kg]; 0: there is none
+  std::map<std::uint16_t, double> plates;  ///< by material: mass of the lightest servo wall without gains [kg]
+  double pressure = 0.0;                   ///< of a cell [Pa]
   Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);  ///< of the free bodies [m]
 };
 
@@ -131,8 +132,11 @@ Survey survey(const Assembly& a) {
     if (b.servo && !b.absent) {
       fastest = std::max(fastest, b.servo->servo.max_speed);
       out.pressed = std::max(out.pressed, b.servo->servo.force);
-      if (const double mass = b.servo->servo.mass; !b.servo->servo.has_gains() && mass > 0.0)
-        out.plate_mass = out.plate_mass > 0.0 ? std::min(out.plate_mass, mass) : mass;
+      if (b.servo->servo.has_gains()) continue;
+      const double mass = b.servo->servo.mass;
+      const auto known = out.plates.try_emplace(static_cast<std::uint16_t>(b.material), mass).first;
+      known->second = std::min(known->second, mass);
+      out.plate_mass = out.plate_mass > 0.0 ? std::min(out.plate_mass, mass) : mass;
     }
   out.load += out.pressed;
   if (a.scene.cell) out.pressure = a.scene.cell->control.pressure.value_or(0.0);
@@ -287,12 +291,18 @@ TimeStep smooth_step(const Assembly& a, const Survey& s) {
     if (!round) c.effective_mass *= 0.25;
     // at rest and without gravity: a thousandth of the sound speed, far above what a quiet scene sees
     c.speed = s.speed > 0 ? s.speed : 1e-3 * std::sqrt(pair.a.youngs_modulus / pair.a.density);
-    const StepLimit limit = critical_step(setup, pair, c);
+    StepLimit limit = critical_step(setup, pair, c);
+    const double deepest = limit.impact.largest_overlap;
+    if (const auto plate = s.plates.find(j); !q && plate != s.plates.end()) {
+      c.moved_mass = p.mass * plate->second / (p.mass + plate->second);
+      c.part = pressed_step_part;
+      limit = critical_step(setup, pair, c);
+    }
     if (limit.auto_step < shortest.auto_step) {
       shortest = limit;
       between = pair.a.name + "-" + pair.b.name;
     }
-    estimate.look(pair, i, p, j, q, limit.impact.largest_overlap);
+    estimate.look(pair, i, p, j, q, deepest);
   };
   for (const auto& [i, p] : s.free) {
     for (const auto& [j, q] : s.free)

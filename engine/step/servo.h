@@ -2,7 +2,8 @@
 /// m dv/dt = F - F_contact - F v/v_max, F_contact what the others push back with: at rest it carries exactly F, without
 /// contact it closes in at v_max with the time constant m v_max/F. With gains it is a PI loop instead, which carries F
 /// also while it moves: v = p (F - F_contact) + i (integral of the same), at most v_max; the integral rests there.
-/// Forces are those of the last step. A motion of the same body acts first, the servo adds its velocity.
+/// Smooth contact moves it by the forces of the last step (servo_event.h), non-smooth contact by those of the step
+/// itself (giving_wall.h). A motion of the same body acts first, the servo adds its velocity.
 #pragma once
 #include "engine/step/events.h"
 
@@ -19,21 +20,6 @@ struct Servo {
   bool has_gains() const { return proportional > 0.0 || integral > 0.0; }
   double from = 0.0;                                       ///< it rests before [s]
   double until = std::numeric_limits<double>::infinity();  ///< and after [s]
-};
-
-class ServoWall final : public Event {
- public:
-  /// elapsed: of its time when the present stage began [s].
-  ServoWall(BodyId body, const Servo& servo, double elapsed = 0.0) : body_(body), servo_(servo), elapsed_(elapsed) {}
-  void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
-  void visit(StateVisitor& visitor) override;
-
- private:
-  BodyId body_;
-  Servo servo_;
-  double elapsed_;
-  double speed_ = 0.0;   ///< along the direction [m/s]
-  double missed_ = 0.0;  ///< integral of the force that is missing [N s]; with gains
 };
 
 }  // namespace epafi

@@ -26,7 +26,9 @@ ContactKinematics kinematics(const ExpectedContact& c, double overlap, double ve
   return {overlap, velocity, c.effective_mass, c.effective_radius, pi * c.effective_radius * c.effective_radius};
 }
 
-/// delta'' = -N/m* from first touch until the force has ended.
+double moved_mass(const ExpectedContact& c) { return c.moved_mass > 0.0 ? c.moved_mass : c.effective_mass; }
+
+/// delta'' = -N/m from first touch until the force has ended.
 template <NormalLaw N>
 ImpactEstimate integrate_impact(const typename N::Parameters& p, const ExpectedContact& c, double dt) {
   ImpactEstimate out;
@@ -35,9 +37,8 @@ ImpactEstimate integrate_impact(const typename N::Parameters& p, const ExpectedC
     NormalState<N> next = state;
     return respond<N>(p, kinematics(c, std::max(overlap, 0.0), velocity), state, next).force;
   };
-  const auto acceleration = [&](double overlap, double velocity) {
-    return -force(overlap, velocity) / c.effective_mass;
-  };
+  const double mass = moved_mass(c);
+  const auto acceleration = [&](double overlap, double velocity) { return -force(overlap, velocity) / mass; };
   double x = 0.0, v = c.speed;
   for (int k = 0; k < 100000; ++k) {
     const double a1 = acceleration(x, v), v2 = v + 0.5 * dt * a1;
@@ -62,7 +63,7 @@ ImpactEstimate integrate_impact(const typename N::Parameters& p, const ExpectedC
 /// more than Hertz's, with delta_max where elastic energy and plastic loss have taken up the motion.
 template <NormalLaw N>
 double elastic_contact_time(const typename N::Parameters& p, const ExpectedContact& c) {
-  const double motion = 0.5 * c.effective_mass * c.speed * c.speed;
+  const double motion = 0.5 * moved_mass(c) * c.speed * c.speed;
   const auto taken = [&](double overlap) {
     NormalState<N> fresh{}, next{};
     const NormalResponse r = respond<N>(p, kinematics(c, overlap, 0.0), fresh, next);
@@ -111,14 +112,14 @@ StepLimit limit_of(const MaterialPair& pair, const ExpectedContact& given) {
   const double sideways = tangential_dashpot(friction, T::stiffness(friction, slope.stiffness), c.effective_mass);
   // An overlap seen first at theta h, h = v dt, costs k h^2/12 on the mean beyond what the contact stores, and the last
   // one gives k h^2/12 back, of a lower speed: over many impacts (pi dt/t_c)^2/6 of all that is lost, 1.6 %.
-  const double by_time = auto_step_part * out.impact.contact_time;
+  const double by_time = c.part * out.impact.contact_time;
   // an explicit damper of c overshoots beyond m*/c: half of it; e = 0.01 (c = 9.4 sqrt(m* k)) then takes 60 steps per
   // contact
   const double dashpot = std::max(slope.dashpot, sideways);
-  const double by_damping = dashpot > 0.0 ? 0.5 * c.effective_mass / dashpot : by_time;
+  const double by_damping = dashpot > 0.0 ? 0.5 * moved_mass(c) / dashpot : by_time;
   out.auto_step = std::min(by_time, by_damping);
   const std::string who = "contact " + pair.a.name + "-" + pair.b.name;
-  out.reason = number(auto_step_part, "of the contact time ") + number(out.impact.contact_time, "s of ") + who;
+  out.reason = number(c.part, "of the contact time ") + number(out.impact.contact_time, "s of ") + who;
   if (out.auto_step < by_time) out.reason = "half of m*/c of the damper of " + who;
   if (N::is_hertzian) out.reason += " at " + number(c.speed, "m/s");
   return out;

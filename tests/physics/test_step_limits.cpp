@@ -96,19 +96,25 @@ TEST_CASE("the stated limit of a pressed column is that of its contacts under th
   }
 }
 
-TEST_CASE("the balance of a ball under a servo wall closes with the step", "[physics][time_step][energy]") {
+TEST_CASE("the balance of columns under a servo wall closes, with the square of the step",
+          "[physics][time_step][energy]") {
+  // dashpots that saw the wall half a step late opened it by up to 0.02, in proportion to the step
   for (std::uint64_t draw = 0; draw < 20; ++draw) {
     Random random(62, draw);
     const Drawn d = draw_of(random);
-    std::string text = press(random, d, 1);
+    const int balls = 1 + static_cast<int>(draw % 5);
+    std::string text = press(random, d, balls);
     auto run = start_text(text);
-    INFO("draw " << draw << ", e " << d.e << ", mu " << d.mu << ", linear " << d.linear);
+    INFO("draw " << draw << ", e " << d.e << ", mu " << d.mu << ", linear " << d.linear << ", balls " << balls);
+    run.advance_to(0);
+    REQUIRE(run.failure.empty());
+    CHECK(std::abs(run.energy_error()) < 1e-2);
     const std::string automatic = "\"auto\"";
-    text.replace(text.find(automatic), automatic.size(), fmt::format("{:.9g}", run.simulation().time_step / 8.0));
+    text.replace(text.find(automatic), automatic.size(), fmt::format("{:.9g}", run.simulation().time_step / 4.0));
     auto fine = start_text(text);
     fine.advance_to(0);
     REQUIRE(fine.failure.empty());
-    CHECK(std::abs(fine.energy_error()) < 1e-2);
+    CHECK(std::abs(fine.energy_error()) < 1e-3);
   }
 }
 
