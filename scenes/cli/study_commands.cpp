@@ -21,6 +21,7 @@
 #include "scenes/study/sweep.h"
 #include "viz_export/files/page_target.h"
 #include "viz_export/files/side_file.h"
+#include "viz_export/files/study_mark.h"
 
 namespace epafi {
 namespace {
@@ -31,6 +32,14 @@ void say(const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str()); 
 
 std::function<void(const std::string&)> speaker(const StudyOptions& o) {
   return o.quiet ? std::function<void(const std::string&)>([](const std::string&) {}) : say;
+}
+
+/// The command as it would be typed again.
+StudyMark mark_of(const char* command, const std::string& file, const StudyOptions& o, std::size_t cases) {
+  StudyMark mark{command, fmt::format("epafi {} {}", command, file), cases};
+  for (const std::string& set : o.overrides) mark.command += " --set '" + set + "'";
+  if (!o.out.empty()) mark.command += " -o " + o.out;
+  return mark;
 }
 
 fs::path folder_of(const StudyOptions& o, const std::string& file, const char* suffix) {
@@ -62,6 +71,8 @@ int command_chart(const StudyOptions& o) {
     const Study study = read_study(file, o.overrides);
     const fs::path folder = folder_of(o, file, "-chart");
     fs::create_directories(folder);
+    StudyMark mark = mark_of("chart", file, o, study.methods.size());
+    write_study_mark(folder, mark);
     std::vector<ChartPoint> rows;
     for (const auto& more : o.rows) {
       const auto read = read_rows(study, more);
@@ -74,6 +85,8 @@ int command_chart(const StudyOptions& o) {
     const std::string recommended = recommended_scene(chart, folder);
     if (!recommended.empty()) write_whole_file(folder / "recommended.toml", {recommended});
     draw_chart(chart, folder);
+    mark.finished = true;
+    write_study_mark(folder, mark);
     print(o.json ? chart_json(chart) : chart_verdict(chart));
     if (!o.quiet)
       say(fmt::format("chart.csv, chart.svg, chart.png in {}; each point is a run like\n  {}", folder.string(),
@@ -91,9 +104,13 @@ int command_limits(const StudyOptions& o) {
     const fs::path folder = folder_of(o, file, "-limits");
     if (o.force) remove_cases(folder);
     fs::create_directories(folder);
+    StudyMark mark = mark_of("limits", file, o, 0);
+    write_study_mark(folder, mark);
     const LimitMap map = run_limits(study, folder, o.jobs, speaker(o));
     write_whole_file(folder / "limits.csv", {limits_csv(map)});
     draw_limits(map, folder);
+    mark.finished = true;
+    write_study_mark(folder, mark);
     print(o.json ? limits_json(map) : limits_verdict(map));
     if (!o.quiet) say(fmt::format("limits.csv and pictures in {}", folder.string()));
   }
@@ -139,6 +156,9 @@ int command_sweep(const StudyOptions& o, const SweepOptions& s) {
     todo.push_back(sweep.cases[k]);
     number.push_back(k);
   }
+  fs::create_directories(folder);
+  const StudyMark mark = mark_of("sweep", scene, o, sweep.cases.size());
+  write_study_mark(folder, mark);
   int worst = exit_done;
   const auto tell = speaker(o);
   tell(fmt::format("{} of {} cases to run", todo.size(), sweep.cases.size()));

@@ -116,7 +116,8 @@ int command_render(const RenderRequest& request) {
   if (is_film && request.time) throw SceneError("--time is for a picture (.png), not for a film");
   if (!is_film && request.every) throw SceneError("--every is for a film (.mp4, .webm), not for a picture");
   if (is_film) {
-    const std::size_t pictures = render_film(*source, options, request.every.value_or(1), target);
+    const auto [pictures, note] = render_film(*source, options, request.every.value_or(1), target);
+    if (!note.empty()) tell("epafi: note: " + note);
     tell_warnings(*source);
     tell(fmt::format("{}: {} picture{}, {:.3g} s at 25 per second", target.string(), pictures, pictures > 1 ? "s" : "",
                      static_cast<double>(pictures) / 25));
@@ -125,7 +126,8 @@ int command_render(const RenderRequest& request) {
   const std::size_t frame = request.time ? nearest_frame(times, *request.time) : times.size() - 1;
   if (request.time && (*request.time < times.front() || *request.time > times.back()))
     tell(fmt::format("epafi: note: the run has frames from {:.4g} to {:.4g} s", times.front(), times.back()));
-  render_picture(*source, options, frame, target);
+  if (const std::string note = render_picture(*source, options, frame, target); !note.empty())
+    tell("epafi: note: " + note);
   tell_warnings(*source);
   tell(fmt::format("{}: t = {} s", target.string(), time_text(times, times[frame])));
   return exit_done;

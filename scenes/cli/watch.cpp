@@ -3,6 +3,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -18,46 +20,65 @@
 #include "viz_export/files/json_reader.h"
 #include "viz_export/files/run_folder.h"
 #include "viz_export/files/run_mark.h"
+#include "viz_export/hdf5/stored_run.h"
 #include "viz_export/measures/measure_rows.h"
+#include "viz_export/measures/measure_units.h"
 
 namespace epafi {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t columns = 40;  // of a course
+constexpr std::size_t file_width = 112;  // of lines that go to no terminal
+
+/// Characters of a line: the name with its unit, the last value, the course, its ends.
+struct LineWidths {
+  std::size_t name = 34, value = 12, course = 40, ends = 24;
+  /// As a terminal of that width holds.
+  explicit LineWidths(std::size_t width) {
+    if (width < 100) name = 28;
+    const std::size_t others = name + value + ends + 3;
+    course = width > others + 8 ? std::min<std::size_t>(course, width - others) : 8;
+  }
+};
 
 /// Values of one component; halved where they have become too many, so that all of the run stays in sight.
 struct Course {
   std::vector<double> values;
   std::size_t stride = 1, seen = 0;
-  double last = 0;
+  double last = 0, low = INFINITY, high = -INFINITY;
 
   void add(double value) {
+    constexpr std::size_t most = 400;
     last = value;
+    if (std::isfinite(value)) {
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
     if (seen++ % stride != 0) return;
     values.push_back(value);
-    if (values.size() < 2 * columns) return;
+    if (values.size() < most) return;
     std::vector<double> half;
     for (std::size_t k = 0; k < values.size(); k += 2) half.push_back(values[k]);
     values = std::move(half);
     stride *= 2;
   }
 
-  std::string picture() const {
+  /// From its lowest to its highest value, from its first to its last.
+  std::string picture(std::size_t columns) const {
     static constexpr const char* bars[] = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
-    double low = INFINITY, high = -INFINITY;
-    for (const double v : values) {
-      low = std::fmin(low, v);
-      high = std::fmax(high, v);
-    }
+    const std::size_t n = values.size(), shown = std::min(columns, n);
     std::string out;
-    const std::size_t first = values.size() > columns ? values.size() - columns : 0;
-    for (std::size_t k = first; k < values.size(); ++k) {
-      const double share = high > low ? (values[k] - low) / (high - low) : std::isfinite(values[k]) ? 0.0 : NAN;
+    for (std::size_t k = 0; k < shown; ++k) {
+      const double v = values[shown > 1 ? k * (n - 1) / (shown - 1) : 0];
+      const double share = high > low ? (v - low) / (high - low) : std::isfinite(v) ? 0.0 : NAN;
       out += std::isfinite(share) ? bars[static_cast<std::size_t>(std::lround(7 * share))] : " ";
     }
-    return out;
+    return out + std::string(columns - shown, ' ');
+  }
+  std::string ends() const {
+    if (!(low <= high)) return "no number yet";
+    return high > low ? fmt::format("{:.4g} to {:.4g}", low, high) : fmt::format("always {:.4g}", low);
   }
 };
 
@@ -78,12 +99,14 @@ class MeasureTail {
       const auto row = measure_row(line);
       if (!row) continue;
       time_ = row->time;
+      first_time_ = std::min(first_time_, time_);
       known_.insert(row->measure);
       if (only_.empty() || std::ranges::count(only_, row->measure) > 0)
         courses_[row->measure + "," + row->component].add(row->value);
     }
   }
   double time() const { return time_; }
+  double first_time() const { return first_time_; }
   const std::map<std::string, Course>& courses() const { return courses_; }
   const std::set<std::string>& known() const { return known_; }
 
@@ -91,13 +114,13 @@ class MeasureTail {
   fs::path path_;
   std::vector<std::string> only_;
   std::uintmax_t at_ = 0;
-  double time_ = 0;
+  double time_ = 0, first_time_ = INFINITY;
   std::map<std::string, Course> courses_;
   std::set<std::string> known_;  ///< measures
 };
 
-/// The name in so many columns; a long one keeps its beginning and its component.
-std::string in_columns(std::string name, std::size_t columns) {
+/// The name in so many columns, then its unit; a long one keeps its beginning and its component.
+std::string in_columns(std::string name, std::size_t columns, const std::string& unit) {
   if (name.size() > columns) {
     const std::size_t comma = std::min(name.rfind(','), name.size() - 1);
     const std::string end = name.substr(std::max(comma, name.size() - columns / 2));
@@ -105,20 +128,58 @@ std::string in_columns(std::string name, std::size_t columns) {
     while (kept > 0 && (static_cast<unsigned char>(name[kept]) & 0xC0) == 0x80) --kept;  // of UTF-8
     name = name.substr(0, kept) + ".." + end;
   }
-  return name + std::string(columns - std::min(columns, name.size()), ' ');
+  return name + unit + std::string(columns - std::min(columns, name.size()), ' ');
 }
+
+/// Kinds of the scene's measures, from run.h5: they tell the units. Asked again while there is a name without one.
+class MeasureKinds {
+ public:
+  explicit MeasureKinds(fs::path file) : file_(std::move(file)) {}
+  void learn(const std::set<std::string>& names) {
+    const auto is_new = [&](const std::string& name) { return !kinds_.contains(name); };
+    if (tries_ == 0 || std::none_of(names.begin(), names.end(), is_new)) return;
+    --tries_;
+    try {
+      for (const StoredMeasure& m : StoredRun(file_).measures()) kinds_[m.name] = m.kind;
+    } catch (const FileError&) {  // it is not there yet, or is just being written
+      return;
+    }
+  }
+  std::string of(const std::string& measure) const {
+    const auto at = kinds_.find(measure);
+    return at == kinds_.end() ? "" : at->second;
+  }
+
+ private:
+  fs::path file_;
+  std::map<std::string, std::string> kinds_;
+  int tries_ = 100;
+};
 
 /// What is watched: the run's own values, then its measures.
 struct Watched {
   MeasureTail own, measures;
+  MeasureKinds kinds;
 
   void read() {
     own.read();
     measures.read();
+    kinds.learn(measures.known());
+  }
+  /// "[N]"; empty where there is no unit.
+  std::string unit_of(const std::string& name, bool is_own) const {
+    const std::size_t comma = name.rfind(',');
+    const std::string measure = name.substr(0, comma), component = name.substr(comma + 1);
+    const std::string own_kind = measure == "energy" ? "energy" : "run";
+    const std::string unit = measure_unit(is_own ? own_kind : kinds.of(measure), component).unit;
+    return unit.empty() ? "" : " [" + unit + "]";
   }
   /// Lines printed. most: as the terminal holds; 0: all.
-  int show(int most) const {
-    std::printf("t = %.6g s\n", std::max(own.time(), measures.time()));
+  int show(int most, const LineWidths& widths) const {
+    const double now = std::max(own.time(), measures.time());
+    const std::string since =
+        std::isfinite(first_time()) ? fmt::format("; courses from {:.6g} s on", first_time()) : "";
+    std::printf("t = %.6g s%s\n", now, since.c_str());
     int lines = 1, left_out = 0;
     for (const MeasureTail* tail : {&own, &measures})
       for (const auto& [name, course] : tail->courses()) {
@@ -126,8 +187,10 @@ struct Watched {
           ++left_out;
           continue;
         }
-        const std::string shown = tail == &own ? "run: " + name : name;
-        std::printf("%s %12.5g  %s\n", in_columns(shown, 34).c_str(), course.last, course.picture().c_str());
+        const std::string unit = unit_of(name, tail == &own), shown = tail == &own ? "run: " + name : name;
+        const std::string label = in_columns(shown, widths.name - unit.size(), unit);
+        std::printf("%s %*.5g %s  %s\n", label.c_str(), static_cast<int>(widths.value - 1), course.last,
+                    course.picture(widths.course).c_str(), course.ends().c_str());
         ++lines;
       }
     if (left_out > 0) {
@@ -137,18 +200,34 @@ struct Watched {
     std::fflush(stdout);
     return lines;
   }
+  double first_time() const { return std::min(own.first_time(), measures.first_time()); }
 };
 
-int terminal_lines() {
+winsize terminal_size() {
   winsize size{};
-  return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 2 ? size.ws_row : 24;
+  if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0) size = {};
+  if (size.ws_row <= 2) size.ws_row = 24;
+  if (size.ws_col == 0) size.ws_col = 80;
+  return size;
 }
 
 /// How it ended, and the exit code.
 int told_end(const fs::path& folder, const RunState& state, double time) {
   if (state.life == RunLife::over) {
-    std::printf("%s\n", read_json(folder / "summary.json").text("status").c_str());
-    return exit_done;
+    std::string status, trouble;
+    try {
+      status = read_json(folder / "summary.json").text("status");
+    } catch (const FileError& e) {
+      trouble = e.what();
+    }
+    if (!status.empty()) {
+      std::printf("%s\n", status.c_str());
+      return exit_done;
+    }
+    if (trouble.empty()) trouble = "'" + (folder / "summary.json").string() + "' names no status of a run";
+    std::printf("the run is over, its last row is of t = %.6g s; how it ended is not known: %s\n", time,
+                trouble.c_str());
+    return exit_failed;
   }
   const bool resumable = fs::exists(folder / "checkpoint.h5");
   std::printf("the run was cut off after t = %.6g s: %s; %s\n", time, state.cause.c_str(),
@@ -173,7 +252,8 @@ int command_watch(const std::string& directory, const std::vector<std::string>& 
   if (!fs::exists(folder / "measures.csv")) throw FileError(no_run_text(folder, "watch"));
   const bool terminal = isatty(STDOUT_FILENO) == 1;
   const SignalWatch signals;
-  Watched watched{MeasureTail(folder / "progress.csv"), MeasureTail(folder / "measures.csv", chosen)};
+  Watched watched{MeasureTail(folder / "progress.csv"), MeasureTail(folder / "measures.csv", chosen),
+                  MeasureKinds(folder / "run.h5")};
   int lines = 0;
   for (int second = 0;; ++second) {
     const RunState state = run_state(folder);  // before the rows: those of a run that is over are all there
@@ -182,7 +262,8 @@ int command_watch(const std::string& directory, const std::vector<std::string>& 
     if (over || second == 2) refuse_unknown(chosen, watched.measures.known());
     const bool due = terminal || over || second % 10 == 0;
     if (due && terminal && lines > 0) std::printf("\033[%dA\033[J", lines);
-    if (due) lines = watched.show(terminal ? terminal_lines() : 0);
+    const winsize size = terminal_size();
+    if (due) lines = watched.show(terminal ? size.ws_row : 0, LineWidths(terminal ? size.ws_col : file_width));
     if (over) return told_end(folder, state, std::max(watched.own.time(), watched.measures.time()));
     if (SignalWatch::received() != 0) return exit_done;
     sleep(1);

@@ -1,12 +1,16 @@
 // `epafi watch`: rows of measures.csv as last values and courses.
+#include <fmt/format.h>
+
 #include <cstdlib>
 #include <fstream>
+#include <random>
 #include <sstream>
 
 #include "engine/units/error.h"
 #include "scenes/cli/watch.h"
 #include "tests/support/captured.h"
 #include "tests/support/catch.h"
+#include "viz_export/hdf5/run_file.h"
 
 using namespace epafi;
 
@@ -46,12 +50,74 @@ TEST_CASE("watch shows what was chosen beside the run's own values, and long nam
   CHECK(all.out.find(name) == all.out.npos);
   CHECK(all.out.find("..,distance") != all.out.npos);  // the component stays
   std::istringstream lines(all.out);
-  for (std::string line; std::getline(lines, line);) CHECK(line.size() < 60);
+  for (std::string line; std::getline(lines, line);) CHECK(line.size() < 120);
   const Captured one = captured([&] { return command_watch(run, {"fall"}); });
   CHECK(one.out.find("fall,z") != one.out.npos);
   CHECK(one.out.find("other,z") == one.out.npos);
   CHECK(one.out.find("run: energy,kinetic") != one.out.npos);
   CHECK_THROWS_AS(command_watch(run, {"fal"}), SceneError);
+}
+
+TEST_CASE("every value of watch has its unit, and every course its least and largest value", "[scenes][watch]") {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "summary.json") << R"({"status": "completed"})";
+  {
+    RunFile run(folder / "run.h5", {"0.1.0", "00ff", "t", "", {}});
+    run.add_measure(run.define_measure("wall", {"x"}, "force"), 0.5, {1});
+    run.flush();
+  }
+  std::ofstream csv(folder / "progress.csv");
+  csv << "time,measure,component,value\n";
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  double low = 1, high = -1;
+  for (int k = 0; k < 3000; ++k) {
+    const double value = any(random);
+    low = std::min(low, value);
+    high = std::max(high, value);
+    csv << fmt::format("{},energy,kinetic,{}\n{},contacts,number,7\n", 0.5 + k, value, 0.5 + k);
+  }
+  csv.close();
+  std::ofstream(folder / "measures.csv") << "time,measure,component,value\n0.5,wall,x,1e-6\n0.5,new,overlap,1\n";
+  const std::string out = captured([&] { return command_watch(folder.path().string()); }).out;
+  CHECK(out.find("energy,kinetic [J]") != out.npos);
+  CHECK(out.find("wall,x [N]") != out.npos);
+  CHECK(out.find("new,overlap [m]") != out.npos);                           // not in run.h5: by its component
+  CHECK(out.find(fmt::format("{:.4g} to {:.4g}", low, high)) != out.npos);  // also of what was thinned out
+  CHECK(out.find("always 7") != out.npos);
+  CHECK(out.find("courses from 0.5 s on") != out.npos);
+}
+
+TEST_CASE("the whole course stays in sight, however many rows there are", "[scenes][watch]") {
+  for (const int rows : {3, 39, 41, 399, 401, 5000}) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "summary.json") << R"({"status": "completed"})";
+    std::ofstream csv(folder / "measures.csv");
+    csv << "time,measure,component,value\n";
+    for (int k = 0; k < rows; ++k) csv << 0.001 * k << ",rise,z," << k << "\n";  // rises all the time
+    csv.close();
+    const std::string out = captured([&] { return command_watch(folder.path().string()); }).out;
+    const std::size_t first = out.find("▁"), last = out.find("█");
+    INFO(rows << out);
+    REQUIRE(first != out.npos);
+    CHECK(last > first);
+    CHECK((last != out.npos || rows > 400));  // the last bar may be of a row that is thinned out
+    CHECK(out.find(fmt::format("0 to {}", rows - 1)) != out.npos);
+  }
+}
+
+TEST_CASE("a summary that is cut is told by watch, after the values", "[scenes][watch]") {
+  const std::string whole = R"({"epafi": "1", "status": "completed", "steps": 3})";
+  for (std::size_t kept = 0; kept < whole.size(); ++kept) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "summary.json") << whole.substr(0, kept);
+    std::ofstream(folder / "measures.csv") << "time,measure,component,value\n0.25,fall,z,3\n";
+    const Captured said = captured([&] { return command_watch(folder.path().string()); });
+    INFO(kept);
+    CHECK(said.code == 4);
+    CHECK(said.out.find("fall,z") != said.out.npos);
+    CHECK(said.out.find("its last row is of t = 0.25 s; how it ended is not known") != said.out.npos);
+  }
 }
 
 TEST_CASE("a folder without a run cannot be watched", "[scenes][watch]") {

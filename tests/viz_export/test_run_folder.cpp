@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <fstream>
 #include <random>
 
@@ -12,9 +13,12 @@
 #include "viz_export/files/run_folder.h"
 #include "viz_export/files/run_mark.h"
 #include "viz_export/files/side_file.h"
+#include "viz_export/files/study_mark.h"
+#include "viz_export/hdf5/run_file.h"
 #include "viz_export/hdf5/stored_run.h"
 #include "viz_export/measures/measure_rows.h"
 #include "viz_export/measures/measures_csv.h"
+#include "viz_export/report/report.h"
 #include "viz_export/view/view_source.h"
 
 using namespace epafi;
@@ -41,6 +45,100 @@ TEST_CASE("a folder of runs and tables is told by what it holds and who takes it
         std::vector<fs::path>{folder / "case_0000", folder / "case_0002", folder / "case_0004"});
   CHECK_THROWS_WITH(open_run(folder.path(), "view"), Contains("is no single run") && Contains("epafi report"));
   CHECK_THAT(no_run_text(folder / "chart.csv", "view"), Contains("is a file"));
+}
+
+TEST_CASE("a folder that is no run is told by what it is", "[viz_export][run_folder]") {
+  const TemporaryFolder folder;
+  const std::string name = folder.path().string();
+  CHECK_THAT(no_run_text(folder.path(), "view"), Contains("it is empty"));
+  std::ofstream(folder / "notes.txt") << "-";
+  CHECK_THAT(no_run_text(folder.path(), "view"), Contains("it holds notes.txt"));
+  for (const char* scene : {"b.toml", "a.toml", "c.toml", "d.toml", "e.toml", "f.toml"})
+    std::ofstream(folder / scene) << "title = 'a'";
+  CHECK_THAT(no_run_text(folder.path(), "render"),
+             Contains("a.toml, b.toml, c.toml, d.toml and 2 more") && Contains("`epafi run " + name + "/a.toml`"));
+  const fs::path run = folder / "run";
+  fs::create_directories(run / "frames");
+  std::ofstream(run / "run.h5") << "-";
+  for (const char* command : {"view", "render", "report", "watch"}) {
+    const std::string takes = "`epafi " + std::string(command) + " " + run.string() + "` takes it";
+    CHECK_THAT(no_run_text(run / "frames", command), Contains("a part of the run") && Contains(takes));
+    CHECK_THAT(no_run_text(run / "frames/", command), Contains(takes));
+    CHECK_THAT(no_run_text(run / "run.h5", command), Contains("a file of the run") && Contains(takes));
+  }
+  fs::remove(run / "run.h5");
+  for (const char* left : {"summary.json", "checkpoint.h5", "progress.csv"}) {
+    std::ofstream(run / left) << "-";
+    CHECK(was_run(run));
+    std::ofstream(run / "measures.csv") << "time,measure,component,value\n0.5,a,x,1\n";
+    fs::last_write_time(run / "measures.csv", fs::file_time_type::clock::now() - std::chrono::hours(1));
+    const std::string text = no_run_text(run, "report");
+    CHECK_THAT(text, Contains("the folder of a run, but run.h5 is missing") && Contains("up to t = 0.5 s"));
+    CHECK_THAT(text, !Contains("epafi report"));  // which would say the same
+    CHECK_THAT(text, Contains(left == std::string("checkpoint.h5") ? "`epafi resume" : "`epafi run`"));
+    fs::remove(run / left);
+  }
+  CHECK(!was_run(run));
+}
+
+TEST_CASE("a study that has not come to its end says what is missing", "[viz_export][run_folder]") {
+  const TemporaryFolder folder;
+  CHECK(!read_study_mark(folder.path()));
+  std::mt19937 random(3);
+  for (int k = 0; k < 20; ++k) {
+    const char* kind = k % 3 == 0 ? "chart" : k % 3 == 1 ? "limits" : "sweep";
+    StudyMark mark{kind, "epafi " + std::string(kind) + " a\"b.toml", random() % 50};
+    write_study_mark(folder.path(), mark);
+    const auto read = read_study_mark(folder.path());
+    REQUIRE(read);
+    CHECK(read->kind == mark.kind);
+    CHECK(read->command == mark.command);
+    CHECK(read->cases == mark.cases);
+    CHECK(!read->finished);
+    const std::size_t ended = random() % 50;
+    const bool is_over = mark.kind == "sweep" && ended >= mark.cases;
+    CHECK(unfinished_text(*read, ended).empty() == is_over);
+    if (!is_over && mark.cases > 0)
+      CHECK_THAT(unfinished_text(*read, ended), Contains(fmt::format("{} of its {} cases", ended, mark.cases)));
+    mark.finished = true;
+    write_study_mark(folder.path(), mark);
+    CHECK(unfinished_text(*read_study_mark(folder.path()), 0).empty());
+  }
+  for (const char* torn : {"", "{", "[1]", "{\"cases\": 3}", "\xff"}) {
+    std::ofstream(folder / "study.json") << torn;
+    CHECK(!read_study_mark(folder.path()));
+  }
+}
+
+TEST_CASE("a report draws the curves of a measure, or says how many it leaves out", "[viz_export][report]") {
+  if (std::system("command -v gnuplot > /dev/null") != 0) {
+    WARN("skipped: no gnuplot here");
+    return;
+  }
+  for (const std::size_t width : {1, 8, 9, 30, 32, 33, 100}) {
+    const TemporaryFolder folder;
+    {
+      RunFile run(folder / "run.h5", {"0.1.0", "00ff", "t", "", {}});
+      std::vector<std::string> components;
+      for (std::size_t c = 0; c < width; ++c) components.push_back(fmt::format("velocity_{}", c));
+      const std::size_t measure = run.define_measure("profile", components, "profile");
+      for (int k = 0; k < 5; ++k) {
+        std::vector<double> row;
+        for (std::size_t c = 0; c < width; ++c) row.push_back(k + 0.1 * static_cast<double>(c));
+        run.add_measure(measure, k, row);
+      }
+      run.flush();
+    }
+    write_whole_file(folder / "summary.json", {R"({"status": "completed"})"});
+    const std::string page = read_whole_file(write_report(folder.path(), ""));
+    std::size_t figures = 0;
+    for (std::size_t at = page.find("alt=\"profile\""); at != page.npos; at = page.find("alt=\"profile\"", at + 1))
+      ++figures;
+    const bool all = width <= 32;
+    CHECK(figures == (all ? (width + 7) / 8 : 1));
+    CHECK((page.find(fmt::format("; 8 of {} curves are drawn", width)) == page.npos) == all);
+    if (all && width > 8) CHECK_THAT(page, Contains(fmt::format("(1 of {})", (width + 7) / 8)));
+  }
 }
 
 TEST_CASE("rows of measures are read back as they were written, whatever their names", "[viz_export][measure_rows]") {

@@ -1,11 +1,15 @@
 // The page in a real browser: what a press means, digits that the data have, legends where nothing is, long names.
+#include <array>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <sstream>
 
+#include "detection/shapes/all_shapes.h"
 #include "tests/support/browser.h"
 #include "tests/support/catch.h"
 #include "viz_export/view/page.h"
+#include "viz_export/vtk/surface.h"
 
 using namespace epafi;
 using Catch::Contains;
@@ -113,6 +117,65 @@ TEST_CASE("a press picks what is drawn, however clear, and the next one what lie
     }
   }
   CHECK(b.complaints() == std::vector<std::string>{});
+}
+
+TEST_CASE("the page shows a half-space from within, and a press goes through it first", "[viz_export][view][long]") {
+  if (!has_page()) return;
+  std::mt19937 random(18);
+  std::uniform_real_distribution<double> any(-0.3, 0.3);
+  for (int draw = 0; draw < 3; ++draw) {
+    const TemporaryFolder folder;
+    const Vec3 normal = Vec3(any(random), 1, any(random)).normalized();  // away from the front camera
+    ShapeStore shapes;
+    const Surface square = surface_of(shapes, shapes.add(HalfSpace{normal}), 0.8);
+    RunAbout about;
+    about.view.preset = "front";
+    about.groups = {{"jaw", 0, 1}, {"ball", 1, 1}};
+    BodyRecord plane = ball_of(0, -0.2 * normal, std::numeric_limits<double>::infinity());
+    plane.mass = 0;
+    plane.surface = &square;
+    ViewFrame frame;
+    frame.bodies = {plane, ball_of(1, Vec3::Zero())};
+    support::Browser b(700, 500);
+    open_page(b, folder, *still_source("jaw", about, std::move(frame)));
+    // pixels that the half-space changes at all, and by more than a breath of colour
+    const auto changed = [&](double opacity) {
+      std::istringstream said(b.text(
+          "(() => { const drawn = (o) => { epafi.opacities.body[0].opacity = o; epafi.showOpacity();"
+          "epafi.renderer.render(epafi.scene, epafi.camera); const gl = epafi.renderer.getContext();"
+          "const p = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);"
+          "gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, p); return p; "
+          "};"
+          "const a = drawn(" +
+          std::to_string(opacity) +
+          "), b = drawn(0); let some = 0, much = 0; for (let k = 0; k < a.length; k += 4) {"
+          "const d = Math.max(...[0, 1, 2].map((c) => Math.abs(a[k + c] - b[k + c]))); some += d > 0; much += d > 17; }"
+          "return some + ' ' + much; })()"));
+      std::array<double, 2> out{};
+      said >> out[0] >> out[1];
+      return out;
+    };
+    for (const double opacity : {0.22, 1.0}) {
+      const auto [some, much] = changed(opacity);
+      CHECK(some > 20000);
+      CHECK(much > 500);  // its lines
+      CHECK(much < 0.25 * some);
+    }
+    b.text("epafi.opacities.body[0].opacity = 1, epafi.showOpacity(), ''");
+    std::istringstream middle(
+        b.text("(() => { const r = document.getElementById('picture').getBoundingClientRect();"
+               "return (r.left + r.width / 2) + ' ' + (r.top + r.height / 2); })()"));
+    double x = 0, y = 0;
+    middle >> x >> y;
+    b.click(x, y);
+    CHECK(b.number("epafi.picked.id") == 1);
+    b.click(x, y);
+    CHECK(b.number("epafi.picked.id") == 0);
+    b.press("3");  // from its own side it is a wall that hides
+    const auto [some, much] = changed(1.0);
+    CHECK(much > 0.8 * some);
+    CHECK(b.complaints() == std::vector<std::string>{});
+  }
 }
 
 TEST_CASE("a ball that is cut through is picked by its cut, and what is cut away is not", "[viz_export][view][long]") {

@@ -14,6 +14,13 @@ namespace epafi {
 [[nodiscard]] std::vector<std::filesystem::path> runs_in(const std::filesystem::path& folder,
                                                          const std::string& file = {});
 
+/// Files in it that a run alone writes: it has been one, whether or not its run.h5 is there.
+[[nodiscard]] bool was_run(const std::filesystem::path& folder);
+
+/// What a run's folder without a readable run.h5 still has, and what goes on from there: "; whole are measures.csv
+/// ...".
+[[nodiscard]] std::string what_is_left(const std::filesystem::path& folder);
+
 /// Why the folder cannot be opened as a run, and what takes it instead. command: that was asked for, as "view".
 [[nodiscard]] std::string no_run_text(const std::filesystem::path& folder, const std::string& command);
 

@@ -9,8 +9,6 @@
 #include <string_view>
 
 #include "viz_export/files/run_folder.h"
-#include "viz_export/files/run_mark.h"
-#include "viz_export/measures/measure_rows.h"
 
 namespace epafi {
 namespace {
@@ -32,23 +30,6 @@ std::optional<std::uint64_t> length_by_superblock(const fs::path& file) {
   std::uint64_t length = 0;
   for (std::size_t k = 8; k-- > 0;) length = length << 8 | byte(place[version] + k);
   return length;
-}
-
-/// What a folder with a damaged run.h5 still has.
-std::string what_is_left(const fs::path& folder) {
-  std::string out, whole;
-  const auto add = [&](const std::string& text) { whole += (whole.empty() ? "" : ", ") + text; };
-  const auto rows = measure_rows(folder / "measures.csv");
-  if (!rows.empty()) add(fmt::format("measures.csv up to t = {:.6g} s", rows.back().time));
-  if (const std::size_t frames = files_with(folder / "frames", ".vtp").size(); frames > 0)
-    add(fmt::format("{} files in frames/ (open frames.pvd in ParaView)", frames));
-  if (fs::exists(folder / "summary.json")) add("summary.json");
-  if (!whole.empty()) out += "; whole are " + whole;
-  const RunLife life = run_state(folder).life;
-  if (life == RunLife::running) return out + "; the run goes on and may just be writing it: try again";
-  if (fs::exists(folder / "checkpoint.h5") && life != RunLife::over)
-    return out + "; `epafi resume " + folder.string() + "` goes on from checkpoint.h5 and begins a new run.h5";
-  return out + "; `epafi run` with the scene makes it again";
 }
 
 }  // namespace

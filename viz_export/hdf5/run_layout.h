@@ -14,8 +14,11 @@ inline constexpr std::uint64_t oldest_format = 1;
 /// The file's format. Throws FileError unless it is a run that this program reads.
 inline std::uint64_t check(const Hdf5File& file) {
   const std::string path = file.path().string();
-  if (!file.has_attribute("/", "kind") || file.text_attribute("/", "kind") != kind)
-    throw FileError(path + ": is not a run file of Epafi");
+  const std::string found_kind = file.has_attribute("/", "kind") ? file.text_attribute("/", "kind") : "";
+  if (found_kind != kind)
+    throw FileError(path + ": is not a run file of Epafi but " +
+                    (found_kind.empty() ? "the HDF5 file of something else" : "an '" + found_kind + "'") +
+                    "; `epafi run SCENE -o DIR` writes DIR/run.h5");
   const std::uint64_t found = file.count_attribute("/", "format");
   if (found < oldest_format || found > format)
     throw FileError(path + ": has run format " + std::to_string(found) + ", this program reads " +

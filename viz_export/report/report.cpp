@@ -144,6 +144,8 @@ void pictures(Page& p, const ViewSource& source) {
   RenderOptions options;
   options.width = 720;
   options.height = 480;
+  options.title = false;  // above the page
+  options.letters = report_letters;
   p.html += "<h2>Pictures</h2><div class='grid three'>";
   RunPainter painter(source, overview, options);
   const auto add = [&](RunPainter& by, std::size_t k, const std::string& what) {
@@ -175,12 +177,49 @@ void three_dimensions(Page& p, const ViewSource& source) {
             escaped(page) + "\"></iframe>";
 }
 
-/// A plot for each quantity of the measure, with a curve per component that moves.
+constexpr std::size_t curves_of_plot = 8, most_plots = 4;  // of a quantity
+
+/// Curves of one quantity.
+struct Course {
+  std::string title, axis;
+  std::vector<PlotLine> lines;
+};
+
+/// A plot for every eight curves; of very many, as of fine profiles, some that stand for all. False without gnuplot.
+bool plot(Page& p, const std::string& file, Course course) {
+  const std::size_t all = course.lines.size(), most = curves_of_plot * most_plots;
+  if (all > most) {
+    std::vector<PlotLine> some;
+    for (std::size_t k = 0; k < curves_of_plot; ++k)
+      some.push_back(std::move(course.lines[k * (all - 1) / (curves_of_plot - 1)]));
+    course.lines = std::move(some);
+  }
+  const std::size_t plots = (course.lines.size() + curves_of_plot - 1) / curves_of_plot;
+  for (std::size_t k = 0; k < plots; ++k) {
+    const auto first = course.lines.begin() + static_cast<std::ptrdiff_t>(k * curves_of_plot);
+    const auto left = static_cast<std::size_t>(course.lines.end() - first);
+    const LinePlot part{course.title,
+                        "time [s]",
+                        course.axis,
+                        {first, first + static_cast<std::ptrdiff_t>(std::min(left, curves_of_plot))}};
+    const fs::path path = p.folder / "report.part" / fmt::format("{}_{}", file, k);
+    if (!draw(part, path)) return false;
+    std::string caption = course.title + ": " + course.axis;
+    if (plots > 1) caption += fmt::format(" ({} of {})", k + 1, plots);
+    if (all > most)
+      caption += fmt::format("; {} of {} curves are drawn, measures.csv has all", course.lines.size(), all);
+    p.figure("<img alt=\"" + escaped(course.title) + "\" src='data:image/svg+xml;base64," +
+                 base64(read_whole_file(fs::path(path) += ".svg")) + "'/>",
+             caption);
+  }
+  return true;
+}
+
+/// Plots for each quantity of the measure, with a curve per component that moves.
 void curves(Page& p, const std::string& name, const std::string& title, const StoredMeasure& m) {
-  std::map<std::string, LinePlot> plots;
+  std::map<std::string, std::vector<PlotLine>> by_axis;
   const std::size_t width = m.components.size(), stride = std::max<std::size_t>(1, m.times.size() / 2000);
   for (std::size_t c = 0; c < width; ++c) {
-    const std::string axis = axis_label(measure_unit(m.kind, m.components[c]));
     PlotLine line{m.components[c], {}, {}};
     bool moves = false;
     for (std::size_t k = 0; k < m.times.size(); k += stride) {
@@ -189,19 +228,11 @@ void curves(Page& p, const std::string& name, const std::string& title, const St
       line.points.push_back({m.times[k], v});
       moves = moves || v != line.points.front()[1];
     }
-    LinePlot& plot = plots.try_emplace(axis, LinePlot{title, "time [s]", axis, {}}).first->second;
-    if (moves && plot.lines.size() < 8) plot.lines.push_back(std::move(line));
+    if (moves) by_axis[axis_label(measure_unit(m.kind, m.components[c]))].push_back(std::move(line));
   }
   int number = 0;
-  for (const auto& [axis, plot] : plots) {
-    if (plot.lines.empty()) continue;
-    const fs::path path = p.folder / "report.part" / fmt::format("{}_{}", name, number++);
-    p.drawn = p.drawn && draw(plot, path);
-    if (!p.drawn) return;
-    p.figure("<img alt=\"" + escaped(title) + "\" src='data:image/svg+xml;base64," +
-                 base64(read_whole_file(fs::path(path) += ".svg")) + "'/>",
-             title + ": " + axis);
-  }
+  for (auto& [axis, lines] : by_axis)
+    p.drawn = p.drawn && plot(p, fmt::format("{}_{}", name, number++), {title, axis, std::move(lines)});
 }
 
 bool is_energy(const StoredMeasure& m) {
@@ -314,7 +345,7 @@ void settings(Page& p) {
 }  // namespace
 
 fs::path write_report(const fs::path& folder, const fs::path& wanted) {
-  const bool is_run = fs::exists(folder / "run.h5") || fs::exists(folder / "summary.json");
+  const bool is_run = fs::exists(folder / "run.h5") || was_run(folder);
   if (!is_run && has_tables(folder)) return write_folder_report(folder, wanted);
   if (!is_run) throw FileError(no_run_text(folder, "report"));
   const fs::path target = wanted.empty() ? folder / "report.html" : wanted;

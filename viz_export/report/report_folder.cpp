@@ -12,6 +12,7 @@
 #include "viz_export/files/page_target.h"
 #include "viz_export/files/run_folder.h"
 #include "viz_export/files/side_file.h"
+#include "viz_export/files/study_mark.h"
 #include "viz_export/report/html_text.h"
 #include "viz_export/report/report_cases.h"
 #include "viz_export/report/report_style.h"
@@ -70,6 +71,8 @@ std::string pictures_of(const std::vector<fs::path>& cases) {
   RenderOptions options;
   options.width = 480;
   options.height = 320;
+  options.title = false;
+  options.letters = report_letters;
   std::string html;
   for (const DrawnCase& one : drawn) {
     RunPainter painter(*one.source, one.overview, options);
@@ -77,7 +80,9 @@ std::string pictures_of(const std::vector<fs::path>& cases) {
             base64(png_of(painter.paint(one.source->times().size() - 1))) + "'/><figcaption>" + html_escaped(one.name) +
             "</figcaption></figure>";
   }
-  return html.empty() ? html : "<h2>How the cases ended</h2><div class='grid three'>" + html + "</div>";
+  const std::string which =
+      cases.size() > most_pictures ? fmt::format("first {} of {} cases", most_pictures, cases.size()) : "cases";
+  return html.empty() ? html : "<h2>How the " + which + " ended</h2><div class='grid three'>" + html + "</div>";
 }
 
 /// Of a chart or limits by their JSON, of a patch by its maps, as HTML; "": there is none.
@@ -93,6 +98,18 @@ std::string title_of(const fs::path& folder) {
     if (title != "Gnuplot") return title;
   }
   return {};
+}
+
+/// On top: what is still to come of a chart, limits or sweep.
+std::string unfinished(const fs::path& folder, const std::vector<ReportCase>& cases) {
+  const auto mark = read_study_mark(folder);
+  if (!mark) return {};
+  const auto ended = std::count_if(cases.begin(), cases.end(), [](const ReportCase& one) {
+    const std::string status = one.summary.text("status");
+    return one.name.starts_with("case_") && status != "running" && status != "cut";
+  });
+  const std::string text = unfinished_text(*mark, static_cast<std::size_t>(ended));
+  return text.empty() ? text : "<p class='warning'>" + html_escaped(text) + "</p>";
 }
 
 /// What belongs to the chart above it: its points, or those of the limits.
@@ -129,6 +146,7 @@ fs::path write_folder_report(const fs::path& folder, const fs::path& wanted) {
     html +=
         fmt::format("<p class='sub'>{}: {} case{}</p>", html_escaped(title), cases.size(), cases.size() > 1 ? "s" : "");
   const fs::path results = folder / "patch.csv";  // of `epafi patch --maps`: what the maps belong to
+  html += unfinished(folder, cases);
   html += (fs::exists(results) ? csv_html(results) : "") + drawings_in(folder) + warnings_html(cases);
   for (const fs::path& table : files_with(folder, ".csv"))
     if (is_study(table)) html += csv_html(table);

@@ -3,6 +3,9 @@
 
 namespace epafi {
 
+/// Letters of pictures, as part of their height: three beside each other are 220 pixels high on the page.
+inline constexpr double report_letters = 1.0 / 20;
+
 inline constexpr const char* report_style = R"(<style>
 :root{color-scheme:light;--ink:#1d2430;--soft:#667085;--line:#e3e6ec;--good:#1a7f4b;--bad:#b42318;--bar:#3b6ea5}
 body{font:15px/1.5 system-ui,"DejaVu Sans",sans-serif;color:var(--ink);max-width:1080px;margin:2rem auto;

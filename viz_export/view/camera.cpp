@@ -36,7 +36,7 @@ Camera fitted_camera(const ViewBox& box, const Vec3& direction, const Vec3& upwa
   constexpr double filled = 0.86;  // of the picture: the rest is margin
   const double high = filled * std::tan(0.5 * angle * std::numbers::pi / 180.0);
   const double wide = high * aspect;
-  double distance = 1e-12;
+  double distance = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 p(corner & 1 ? box.max.x() : box.min.x(), corner & 2 ? box.max.y() : box.min.y(),
                  corner & 4 ? box.max.z() : box.min.z());
@@ -44,6 +44,7 @@ Camera fitted_camera(const ViewBox& box, const Vec3& direction, const Vec3& upwa
     const double sideways = std::max(std::abs(right.dot(r)) / wide, std::abs(up.dot(r)) / high);
     distance = std::max(distance, sideways + towards.dot(r));
   }
+  if (!(distance > 0)) distance = 1;  // a point: nothing says how near
   camera.eye = camera.target + distance * towards;
   return camera;
 }

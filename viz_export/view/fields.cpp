@@ -58,15 +58,15 @@ void divide_by_volumes(const ViewFrame& frame, ContactSums& sums) {
     if (b.is_wall() || !(volume > 0))
       sums.stress[k].setZero();
     else
-      sums.stress[k] /= static_cast<float>(volume);
+      sums.stress[k] /= volume;
   }
 }
 
 /// sqrt(3/2 s:s) of the deviator s of the symmetric part.
-float von_mises(const Eigen::Matrix3f& stress) {
-  const Eigen::Matrix3f even = 0.5f * (stress + stress.transpose());
-  const Eigen::Matrix3f s = even - even.trace() / 3 * Eigen::Matrix3f::Identity();
-  return std::sqrt(1.5f) * s.norm();
+double von_mises(const Mat3& stress) {
+  const Mat3 even = 0.5 * (stress + stress.transpose());
+  const Mat3 s = even - even.trace() / 3 * Mat3::Identity();
+  return std::sqrt(1.5) * s.norm();
 }
 
 std::string height_label(const Vec3& up) {
@@ -84,10 +84,10 @@ std::vector<float> each(const ViewFrame& frame, const F& of) {
 }
 
 template <class F>
-std::vector<float> each(const std::vector<Eigen::Matrix3f>& stress, const F& of) {
+std::vector<float> each(const std::vector<Mat3>& stress, const F& of) {
   std::vector<float> out;
   out.reserve(stress.size());
-  for (const Eigen::Matrix3f& s : stress) out.push_back(of(s));
+  for (const Mat3& s : stress) out.push_back(static_cast<float>(of(s)));
   return out;
 }
 
@@ -96,22 +96,22 @@ std::vector<float> each(const std::vector<Eigen::Matrix3f>& stress, const F& of)
 ContactSums contact_sums(const ViewFrame& frame) {
   const std::size_t n = frame.bodies.size();
   ContactSums out{std::vector<float>(n), std::vector<float>(n), std::vector<float>(n),
-                  std::vector<Eigen::Matrix3f>(n, Eigen::Matrix3f::Zero())};
+                  std::vector<Mat3>(n, Mat3::Zero())};
   const RowsByID row_of(frame);
   const auto reach = [&](std::size_t row) {
     return row < n && !frame.bodies[row].is_wall() ? frame.bodies[row].radius : 0;
   };
   for (const StoredContact& c : frame.contacts) {
     const std::size_t a = row_of(c.a), b = row_of(c.b);
-    const Eigen::Vector3f branch = c.to - c.from;
+    const Vec3 branch = (c.to - c.from).cast<double>();
     const double both = reach(a) + reach(b);
-    const auto share = static_cast<float>(both > 0 && std::isfinite(both) ? reach(a) / both : 0.5);
+    const double share = both > 0 && std::isfinite(both) ? reach(a) / both : 0.5;
     for (const std::size_t row : {a, b}) {
       if (row >= n) continue;
       out.count[row] += 1;
       out.force[row] += std::abs(c.normal_force);
       out.residual[row] += c.residual * c.residual;
-      out.stress[row] += (row == a ? share : 1 - share) * branch * c.force.transpose();
+      out.stress[row] += (row == a ? share : 1 - share) * branch * c.force.cast<double>().transpose();
     }
   }
   for (float& r : out.residual) r = std::sqrt(r);
@@ -167,7 +167,7 @@ std::vector<float> FrameFields::operator()(const std::string& field) const {
   if (field == "body") return each(frame_, [&](const BodyRecord& b) { return group_of(about_, b.id); });
   if (field == "force") return sums().force;
   if (field == "residual") return sums().residual;
-  if (field == "pressure") return each(sums().stress, [](const Eigen::Matrix3f& s) { return -s.trace() / 3; });
+  if (field == "pressure") return each(sums().stress, [](const Mat3& s) { return -s.trace() / 3; });
   if (field == "stress") return each(sums().stress, von_mises);
   return sums().count;
 }

@@ -33,7 +33,7 @@ struct ContactSums {
   std::vector<float> count, force, residual;  ///< number, sum of normal forces [N], Euclidean part of the residual
   /// Stress in the mean over the body, tension positive [Pa]: sum of arm times force over the volume (Love 1927). The
   /// arm leads along the centre line to the point that divides it by the bounding radii: exact for spheres. 0 in walls.
-  std::vector<Eigen::Matrix3f> stress;
+  std::vector<Mat3> stress;
 };
 [[nodiscard]] ContactSums contact_sums(const ViewFrame& frame);
 

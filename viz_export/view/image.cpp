@@ -1,15 +1,54 @@
 #include "viz_export/view/image.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "engine/units/error.h"
 #include "viz_export/hdf5/deflate.h"
 #include "viz_export/view/glyphs.h"
+#include "viz_export/view/more_glyphs.h"
 
 namespace epafi {
 namespace {
 
-const char* outline_of(char c) { return glyph_outlines[c < 32 || c > 126 ? '?' - 32 : c - 32]; }
+/// Advance and polygons of a character; null where the font has none.
+const char* outline_of(char32_t c) {
+  if (c >= 32 && c <= 126) return glyph_outlines[c - 32];
+  constexpr std::size_t digits = 4;
+  if (c > 0xFFFF) return nullptr;
+  const std::string code = fmt::format("{:04X}", static_cast<std::uint32_t>(c));
+  const auto before = [](const char* glyph, const std::string& wanted) {
+    return wanted.compare(0, digits, glyph, digits) > 0;
+  };
+  const auto found = std::lower_bound(std::begin(more_glyphs), std::end(more_glyphs), code, before);
+  return found != std::end(more_glyphs) && code.compare(0, digits, *found, digits) == 0 ? *found + digits : nullptr;
+}
+
+constexpr char32_t no_character = 0xFFFD;  // in place of what is no UTF-8
+
+/// The first character of a text, taken from it; signs that only steer the line become blanks.
+char32_t next_character(std::string_view& text) {
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
+  const unsigned char first = byte(0);
+  const std::size_t length = first < 0x80 ? 1 : first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : first >= 0xC0 ? 2 : 0;
+  char32_t c = length == 1 ? first : first & (0x7Fu >> length);
+  bool whole = length > 0 && length <= text.size();
+  for (std::size_t k = 1; whole && k < length; ++k) {
+    whole = (byte(k) & 0xC0) == 0x80;
+    c = c << 6 | (byte(k) & 0x3Fu);
+  }
+  text.remove_prefix(whole ? length : 1);
+  return !whole ? no_character : c < 32 || c == 127 ? U' ' : c;
+}
+
+std::u32string characters_of(std::string_view text) {
+  std::u32string out;
+  while (!text.empty()) out += next_character(text);
+  return out;
+}
 
 double unit(char digit) { return (digit - '0') / 64.0; }
 
@@ -98,17 +137,63 @@ void Image::blend(int x, int y, const Rgb& colour, double share) {
     pixel[k] = static_cast<std::uint8_t>(std::lround(pixel[k] + std::min(1.0, share) * (255.0 * colour[k] - pixel[k])));
 }
 
+namespace {
+
+/// The code of a character without outline, in two rows within a box.
+struct CodeBox {
+  std::string upper, lower;
+  double digit_size, width;
+
+  CodeBox(char32_t c, double size) : digit_size(0.5 * size) {
+    const std::string code = fmt::format("{:04X}", static_cast<std::uint32_t>(c));
+    upper = code.substr(0, code.size() / 2);
+    lower = code.substr(code.size() / 2);
+    width = std::max(text_width(upper, digit_size), text_width(lower, digit_size)) + 0.3 * size;
+  }
+  void draw(Image& image, double x, double y, const Rgb& colour) const {
+    const double size = 2 * digit_size;
+    const int left = static_cast<int>(x + 0.06 * size), right = static_cast<int>(x + width - 0.06 * size);
+    const int top = static_cast<int>(y - 0.86 * size), bottom = static_cast<int>(y + 0.14 * size);
+    for (const int row : {top, bottom}) fill_box(image, left, row, right - left + 1, 1, colour);
+    for (const int column : {left, right}) fill_box(image, column, top, 1, bottom - top, colour);
+    draw_text(image, x + 0.15 * size, y - 0.45 * size, upper, digit_size, colour);
+    draw_text(image, x + 0.15 * size, y + 0.02 * size, lower, digit_size, colour);
+  }
+};
+
+}  // namespace
+
 double text_width(const std::string& text, double size) {
   double width = 0;
-  for (const char c : text) width += size * unit(outline_of(c)[0]);
+  for (const char32_t c : characters_of(text)) {
+    const char* outline = outline_of(c);
+    width += outline != nullptr ? size * unit(outline[0]) : CodeBox(c, size).width;
+  }
   return width;
 }
 
 void draw_text(Image& image, double x, double y, const std::string& text, double size, const Rgb& colour) {
-  for (const char c : text) {
-    draw_glyph(image, edges_of(outline_of(c), x, y, size), colour);
-    x += size * unit(outline_of(c)[0]);
+  for (const char32_t c : characters_of(text)) {
+    if (const char* outline = outline_of(c); outline != nullptr) {
+      draw_glyph(image, edges_of(outline, x, y, size), colour);
+      x += size * unit(outline[0]);
+    } else {
+      const CodeBox box(c, size);
+      box.draw(image, x, y, colour);
+      x += box.width;
+    }
   }
+}
+
+std::string without_outline(const std::string& text) {
+  std::string out;
+  std::u32string told;
+  for (const char32_t c : characters_of(text)) {
+    if (outline_of(c) != nullptr || told.find(c) != told.npos) continue;
+    told += c;
+    out += fmt::format("{}U+{:04X}", out.empty() ? "" : ", ", static_cast<std::uint32_t>(c));
+  }
+  return out;
 }
 
 void fill_box(Image& image, int x, int y, int width, int height, const Rgb& colour) {

@@ -23,8 +23,11 @@ struct Image {
 
 /// Width of a line of text [pixels]; size: height of its em.
 [[nodiscard]] double text_width(const std::string& text, double size);
-/// Baseline begins at (x, y). Characters outside printable ASCII become '?'.
+/// Baseline begins at (x, y); text: UTF-8. Latin, Greek and Cyrillic letters and signs of formulas have outlines
+/// (more_glyphs.h); a character without one is drawn as its code in a box.
 void draw_text(Image& image, double x, double y, const std::string& text, double size, const Rgb& colour);
+/// The characters of a text that have no outline, each once: "U+6D4B, U+8BD5"; empty: all have one.
+[[nodiscard]] std::string without_outline(const std::string& text);
 void fill_box(Image& image, int x, int y, int width, int height, const Rgb& colour);
 
 /// The bytes of a PNG file.

@@ -108,10 +108,10 @@ MeshStore::MeshStore(const std::vector<BodyRecord>& bodies)
 
 std::vector<std::uint32_t> feature_edges(const ViewMesh& mesh) {
   const std::vector<std::uint32_t> same = joined_points(mesh);
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Eigen::Vector3f>> edges;  // normals of faces around
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Vec3>> edges;  // normals of faces around
   for (std::size_t c = 0; c + 2 < mesh.corners.size(); c += 3) {
-    const auto point = [&](std::size_t k) -> const Eigen::Vector3f& { return mesh.points[mesh.corners[c + k]]; };
-    const Eigen::Vector3f normal = (point(1) - point(0)).cross(point(2) - point(0)).normalized();
+    const auto point = [&](std::size_t k) -> Vec3 { return mesh.points[mesh.corners[c + k]].cast<double>(); };
+    const Vec3 normal = (point(1) - point(0)).cross(point(2) - point(0)).normalized();
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = same[mesh.corners[c + k]], b = same[mesh.corners[c + (k + 1) % 3]];
       edges[std::minmax(a, b)].push_back(normal);
@@ -119,8 +119,7 @@ std::vector<std::uint32_t> feature_edges(const ViewMesh& mesh) {
   }
   std::vector<std::uint32_t> out;
   for (const auto& [ends, normals] : edges)
-    if (normals.size() != 2 || normals[0].dot(normals[1]) < static_cast<float>(crease))
-      out.insert(out.end(), {ends.first, ends.second});
+    if (normals.size() != 2 || normals[0].dot(normals[1]) < crease) out.insert(out.end(), {ends.first, ends.second});
   return out;
 }
 

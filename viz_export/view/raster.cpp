@@ -16,8 +16,10 @@ constexpr float nowhere = std::numeric_limits<float>::infinity();
 struct Lens {
   V3 eye, right, up, towards;
   float scale, cx, cy;  ///< samples per unit of the plane at distance 1, and its middle
+  float nearest;        ///< nothing nearer is drawn
 
-  Lens(const Camera& c, int w, int h) : eye(c.eye.cast<float>()) {
+  Lens(const Camera& c, int w, int h)
+      : eye(c.eye.cast<float>()), nearest(static_cast<float>(1e-4 * (c.eye - c.target).norm())) {
     const Vec3 back = (c.eye - c.target).normalized();
     const Vec3 side = c.up.cross(back).normalized();
     towards = back.cast<float>();
@@ -57,14 +59,28 @@ SampleBox clamped(float x0, float x1, float y0, float y1, const Layer& layer) {
           limit(std::ceil(y1) + 1, layer.h)};
 }
 
-/// f(x, y, depth) of each sample of the layer that shows the ball.
+/// Ends of a ball's outline along one axis of the plane at distance 1: tangents through the eye (Mara and Morgan 2013).
+/// across: of the centre, z its distance > r.
+std::array<float, 2> outline(float across, float z, float r) {
+  const float rest = z * z - r * r;
+  const float swing = r * std::sqrt(across * across + rest);
+  return {(across * z - swing) / rest, (across * z + swing) / rest};
+}
+
+SampleBox box_of_ball(const V3& c, float r, const Lens& lens, const Layer& layer) {
+  if (c.z() <= r * 1.001f) return {0, layer.w, 0, layer.h};  // it reaches beside the eye
+  const auto [left, right] = outline(c.x(), c.z(), r);
+  const auto [low, high] = outline(c.y(), c.z(), r);
+  return clamped(lens.cx + lens.scale * left, lens.cx + lens.scale * right, lens.cy - lens.scale * high,
+                 lens.cy - lens.scale * low, layer);
+}
+
+/// f(x, y, depth) of each sample of the layer that shows the ball; none where the eye is within it.
 template <class F>
 void each_of_ball(const V3& c, float r, const Lens& lens, const Layer& layer, const F& f) {
-  if (c.z() <= r * 1.001f) return;
-  const float reach = lens.scale * r / (c.z() - r);
-  const float px = lens.cx + lens.scale * c.x() / c.z(), py = lens.cy - lens.scale * c.y() / c.z();
-  const SampleBox box = clamped(px - reach, px + reach, py - reach, py + reach, layer);
   const float rest = c.squaredNorm() - r * r;
+  if (c.z() <= lens.nearest - r || rest <= 0) return;
+  const SampleBox box = box_of_ball(c, r, lens, layer);
   for (int y = box.y0; y < box.y1; ++y) {
     const float v = (lens.cy - static_cast<float>(y) - 0.5f) / lens.scale;
     for (int x = box.x0; x < box.x1; ++x) {
@@ -74,43 +90,71 @@ void each_of_ball(const V3& c, float r, const Lens& lens, const Layer& layer, co
       const float under = along * along - square * rest;
       if (under < 0) continue;
       const float depth = (along - std::sqrt(under)) / square;
-      f(x, y, depth);
+      if (depth >= lens.nearest) f(x, y, depth);
     }
   }
 }
 
-/// A triangle in samples, with 1/depth, which is linear there.
+/// A triangle in samples. Weights of its corners over the depth are linear there, also where a corner is behind the
+/// eye, so that nothing has to be cut (Olano and Greer 1997).
 struct FlatTriangle {
-  float x[3], y[3], inverse[3];
-  float area = 0;
+  SampleBox box{};
+  V3 first, by_x, by_y;  ///< at the middle of the box's first sample, and per sample
 
-  /// false where a corner is behind the eye, or nothing is left.
-  bool set(const V3 p[3], const Lens& lens) {
+  /// false where nothing of it is in front of the eye.
+  bool set(const V3 p[3], const Lens& lens, const Layer& layer) {
+    if (!set_box(p, lens, layer)) return false;
+    const Vec3 q[3] = {p[0].cast<double>(), p[1].cast<double>(), p[2].cast<double>()};
+    const double volume = q[0].dot((q[1] - q[0]).cross(q[2] - q[0]));
+    if (volume == 0) return false;
+    const double step = 1.0 / static_cast<double>(lens.scale);
+    const Vec3 ray(step * (static_cast<double>(box.x0) + 0.5 - static_cast<double>(lens.cx)),
+                   step * (static_cast<double>(lens.cy) - static_cast<double>(box.y0) - 0.5), 1.0);
     for (int k = 0; k < 3; ++k) {
-      if (p[k].z() <= 1e-6f) return false;
-      inverse[k] = 1 / p[k].z();
-      x[k] = lens.cx + lens.scale * p[k].x() * inverse[k];
-      y[k] = lens.cy - lens.scale * p[k].y() * inverse[k];
+      const Vec3 &a = q[(k + 1) % 3], &b = q[(k + 2) % 3];
+      const Vec3 side = a.cross(b - a) / volume;
+      first[k] = static_cast<float>(side.dot(ray));
+      by_x[k] = static_cast<float>(side.x() * step);
+      by_y[k] = static_cast<float>(-side.y() * step);
     }
-    area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
-    return area != 0;
+    return true;
   }
-  V3 weights(float px, float py) const {
-    const float b = ((px - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (py - y[0])) / area;
-    const float c = ((x[1] - x[0]) * (py - y[0]) - (px - x[0]) * (y[1] - y[0])) / area;
-    return {1 - b - c, b, c};
+  V3 weights(int x, int y) const {
+    return first + static_cast<float>(x - box.x0) * by_x + static_cast<float>(y - box.y0) * by_y;
   }
-  /// f(x, y, weights, depth) of each sample inside.
+  /// f(x, y, weights over depth, depth) of each sample inside.
   template <class F>
-  void each(const Layer& layer, const F& f) const {
-    const SampleBox box = clamped(std::min({x[0], x[1], x[2]}), std::max({x[0], x[1], x[2]}),
-                                  std::min({y[0], y[1], y[2]}), std::max({y[0], y[1], y[2]}), layer);
-    for (int sy = box.y0; sy < box.y1; ++sy)
-      for (int sx = box.x0; sx < box.x1; ++sx) {
-        const V3 w = weights(static_cast<float>(sx) + 0.5f, static_cast<float>(sy) + 0.5f);
-        if (w.minCoeff() < 0) continue;
-        f(sx, sy, w, 1 / (w.x() * inverse[0] + w.y() * inverse[1] + w.z() * inverse[2]));
+  void each(const Lens& lens, const F& f) const {
+    for (int y = box.y0; y < box.y1; ++y)
+      for (int x = box.x0; x < box.x1; ++x) {
+        const V3 w = weights(x, y);
+        const float inverse = w.sum();
+        if (w.minCoeff() >= 0 && inverse > 0 && inverse * lens.nearest <= 1) f(x, y, w, 1 / inverse);
       }
+  }
+
+ private:
+  /// Around what is farther than the nearest.
+  bool set_box(const V3 p[3], const Lens& lens, const Layer& layer) {
+    float x0 = nowhere, x1 = -nowhere, y0 = nowhere, y1 = -nowhere;
+    const auto include = [&](const V3& q) {
+      const float x = lens.cx + lens.scale * q.x() / q.z(), y = lens.cy - lens.scale * q.y() / q.z();
+      x0 = std::min(x0, x);
+      x1 = std::max(x1, x);
+      y0 = std::min(y0, y);
+      y1 = std::max(y1, y);
+    };
+    for (int k = 0; k < 3; ++k) {
+      const V3 &a = p[k], &b = p[(k + 1) % 3];
+      if (a.z() >= lens.nearest) include(a);
+      if ((a.z() >= lens.nearest) == (b.z() >= lens.nearest)) continue;
+      V3 cut = a + (lens.nearest - a.z()) / (b.z() - a.z()) * (b - a);
+      cut.z() = lens.nearest;
+      include(cut);
+    }
+    if (!(x0 <= x1)) return false;
+    box = clamped(x0, x1, y0, y1, layer);
+    return box.x0 < box.x1 && box.y0 < box.y1;
   }
 };
 
@@ -146,7 +190,8 @@ class Painter {
     for (std::size_t k = 0; k < scene_.triangles.size(); ++k)
       if (scene_.triangles[k].opacity >= 1) mark(corners_of(scene_.triangles[k]).data(), first + k);
     for (std::size_t k = 0; k < scene_.lines.size(); ++k)
-      mark_line(scene_.lines[k], first + scene_.triangles.size() + k);
+      if (scene_.lines[k].opacity >= 1)
+        each_half(scene_.lines[k], [&](const V3 p[3]) { mark(p, first + scene_.triangles.size() + k); });
   }
 
   void light() {
@@ -170,12 +215,14 @@ class Painter {
     for (const DrawnTriangle& t : scene_.triangles) {
       if (t.opacity >= 1) continue;
       FlatTriangle flat{};
-      if (!flat.set(corners_of(t).data(), lens_)) continue;
-      flat.each(layer_, [&](int x, int y, const V3& w, float depth) {
+      if (!flat.set(corners_of(t).data(), lens_, layer_)) continue;
+      flat.each(lens_, [&](int x, int y, const V3& w, float depth) {
         const std::size_t k = layer_.at(x, y);
-        if (depth < layer_.depth[k]) colour_[k] += t.opacity * (lit(t.colour, normal_of(t, w, flat)) - colour_[k]);
+        if (depth < layer_.depth[k]) colour_[k] += t.opacity * (lit(t.colour, normal_of(t, w)) - colour_[k]);
       });
     }
+    for (const DrawnLine& line : scene_.lines)
+      if (line.opacity < 1) each_half(line, [&](const V3 p[3]) { lay_over(p, line); });
   }
 
   Image image() const {
@@ -199,8 +246,8 @@ class Painter {
 
   void mark(const V3 p[3], std::size_t thing) {
     FlatTriangle flat{};
-    if (!flat.set(p, lens_)) return;
-    flat.each(layer_, [&](int x, int y, const V3&, float depth) { put(thing, x, y, depth); });
+    if (!flat.set(p, lens_, layer_)) return;
+    flat.each(lens_, [&](int x, int y, const V3&, float depth) { put(thing, x, y, depth); });
   }
 
   /// Where nothing nearer is.
@@ -211,21 +258,31 @@ class Painter {
     layer_.thing[k] = static_cast<std::uint32_t>(thing);
   }
 
-  void mark_line(const DrawnLine& line, std::size_t thing) {
+  void lay_over(const V3 p[3], const DrawnLine& line) {
+    FlatTriangle flat{};
+    if (!flat.set(p, lens_, layer_)) return;
+    const V3 colour = lit(line.colour, V3(0, 0, 1));
+    flat.each(lens_, [&](int x, int y, const V3&, float depth) {
+      const std::size_t k = layer_.at(x, y);
+      if (depth < layer_.depth[k]) colour_[k] += line.opacity * (colour - colour_[k]);
+    });
+  }
+
+  /// f(corners) of the two triangles of a ribbon.
+  template <class F>
+  void each_half(const DrawnLine& line, const F& f) const {
     const V3 a = lens_.seen(line.from), b = lens_.seen(line.to);
     V3 side = (b - a).cross(a);
     if (!(side.norm() > 0)) return;
     side *= line.width / side.norm();
     const V3 one[3] = {a - side, a + side, b - side}, two[3] = {b - side, a + side, b + side};
-    mark(one, thing);
-    mark(two, thing);
+    f(one);
+    f(two);
   }
 
-  /// Towards the eye, in axes of the camera.
-  V3 normal_of(const DrawnTriangle& t, const V3& w, const FlatTriangle& flat) const {
-    const V3 true_weights(w.x() * flat.inverse[0], w.y() * flat.inverse[1], w.z() * flat.inverse[2]);
-    V3 n =
-        lens_.turned(true_weights.x() * t.normal[0] + true_weights.y() * t.normal[1] + true_weights.z() * t.normal[2]);
+  /// Towards the eye, in axes of the camera. w: weights of the corners, of any sum.
+  V3 normal_of(const DrawnTriangle& t, const V3& w) const {
+    V3 n = lens_.turned(w.x() * t.normal[0] + w.y() * t.normal[1] + w.z() * t.normal[2]);
     n.normalize();
     return n.z() < 0 ? V3(-n) : n;
   }
@@ -238,7 +295,6 @@ class Painter {
   }
 
   V3 colour_of(std::uint32_t thing, int x, int y, float depth) const {
-    const float px = static_cast<float>(x) + 0.5f, py = static_cast<float>(y) + 0.5f;
     std::size_t k = thing;
     if (k < scene_.balls.size()) {
       const DrawnBall& ball = scene_.balls[k];
@@ -247,8 +303,8 @@ class Painter {
     k -= scene_.balls.size();
     if (k < scene_.triangles.size()) {
       FlatTriangle flat{};
-      flat.set(corners_of(scene_.triangles[k]).data(), lens_);
-      return lit(scene_.triangles[k].colour, normal_of(scene_.triangles[k], flat.weights(px, py), flat));
+      flat.set(corners_of(scene_.triangles[k]).data(), lens_, layer_);
+      return lit(scene_.triangles[k].colour, normal_of(scene_.triangles[k], flat.weights(x, y)));
     }
     return lit(scene_.lines[k - scene_.triangles.size()].colour, V3(0, 0, 1));
   }

@@ -1,6 +1,7 @@
 /// @file raster.h  Draws balls and triangles in software, as the page's shaders do: perspective, one lamp near the eye,
 /// four samples per pixel. First the nearest thing of each sample is found, then each is lit once; what is
-/// translucent is laid over afterwards.
+/// translucent is laid over afterwards. Any unit of length: nothing nearer to the eye than 1e-4 of its distance to what
+/// it looks at is drawn.
 #pragma once
 #include <vector>
 
@@ -25,8 +26,9 @@ struct DrawnTriangle {
 /// A ribbon that faces the eye.
 struct DrawnLine {
   Eigen::Vector3f from, to;
-  float width;  ///< half of it [m]
+  float width;  ///< half of it
   Rgb colour;
+  float opacity = 1;  ///< 1 hides what is behind it
 };
 
 struct DrawnScene {

@@ -20,8 +20,10 @@ constexpr Rgb paper{0.969, 0.973, 0.980}, ink{0.11, 0.14, 0.19}, wall_colour{0.7
     ground_colour{0.86, 0.88, 0.90}, spring_colour{0.2, 0.2, 0.2}, wall_edge{0.62, 0.65, 0.70},
     ground_edge{0.45, 0.48, 0.54};
 constexpr std::ptrdiff_t most_outlined = 400;  // free bodies; among more of them lines would hide the colours
+constexpr int grid_parts = 4;                  // of a half-space from within, each way
 constexpr double widest_part = 0.42;           // of a radius: half the width of a ribbon of contacts
-constexpr float wall_opacity = 0.22f, pale_opacity = 0.15f;  // of walls; of free bodies around their contacts
+constexpr float wall_opacity = 0.22f, pale_opacity = 0.15f;   // of walls; of free bodies around their contacts
+constexpr float behind_opacity = 0.06f, grid_opacity = 0.3f;  // of a half-space from within, and of its lines
 
 ViewField find_field(const ViewSource& source, const std::string& name) {
   const std::string wanted = !name.empty() ? name : source.about().view.field;
@@ -49,14 +51,19 @@ struct MeshLook {
   double scale;
   Rgb colour;
   float opacity;
-  Eigen::Vector3f eye;
 };
 
-void add_mesh(const ViewMesh& mesh, const BodyRecord& b, const MeshLook& look, DrawnScene& out) {
+/// Seen from within, a half-space lets all else through. Of what has no end, rails among them, it is that which is
+/// drawn as a square.
+bool is_within(const BodyRecord& b, const ViewMesh& mesh, double scale, const Vec3& eye) {
+  if (!std::isinf(b.radius) || mesh.points.size() != 4) return false;
+  return mesh.normals[0].cast<double>().dot(b.pose.to_local(eye) - scale * mesh.points[0].cast<double>()) < 0;
+}
+
+void add_mesh(const ViewMesh& mesh, const BodyRecord& b, const MeshLook& look, const DrawnAxes& axes, DrawnScene& out) {
   const Eigen::Matrix3f turn = b.pose.orientation.toRotationMatrix().cast<float>();
-  const Eigen::Vector3f place = b.pose.position.cast<float>();
-  const auto size = static_cast<float>(look.scale);
-  const bool one_sided = std::isinf(b.radius);  // a half-space: from within nothing is seen of it
+  const Eigen::Vector3f place = axes.place(b.pose.position);
+  const float size = axes.length(look.scale);
   for (std::size_t c = 0; c + 2 < mesh.corners.size(); c += 3) {
     DrawnTriangle t;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -65,7 +72,6 @@ void add_mesh(const ViewMesh& mesh, const BodyRecord& b, const MeshLook& look, D
     }
     t.colour = look.colour;
     t.opacity = look.opacity;
-    if (one_sided && t.normal[0].dot(look.eye - t.corner[0]) < 0) continue;
     out.triangles.push_back(t);
   }
 }
@@ -89,7 +95,7 @@ std::vector<BodyRecord>::const_iterator record_of(const ViewFrame& frame, std::u
 
 /// The strongest are the widest: no wider than 0.42 of the mean body, and of the smaller one of the two
 /// (page/lines.js).
-void add_contacts(const ViewFrame& frame, double strongest, DrawnScene& out) {
+void add_contacts(const ViewFrame& frame, double strongest, const DrawnAxes& axes, DrawnScene& out) {
   const double widest = widest_part * mean_radius(frame);
   const auto radius_of = [&](std::uint32_t id) {
     const auto body = record_of(frame, id);
@@ -100,7 +106,8 @@ void add_contacts(const ViewFrame& frame, double strongest, DrawnScene& out) {
     const double share = std::min(1.0, std::abs(c.normal_force) / std::max(strongest, 1e-300));
     const double most = widest_part * std::min(radius_of(c.a), radius_of(c.b));
     const double width = std::min(std::max(0.06, std::sqrt(share)) * widest, most);
-    out.lines.push_back({c.from, c.to, static_cast<float>(width), inferno(0.15 + 0.75 * share)});
+    out.lines.push_back({axes.place(c.from.cast<double>()), axes.place(c.to.cast<double>()), axes.length(width),
+                         inferno(0.15 + 0.75 * share)});
   }
 }
 
@@ -111,38 +118,39 @@ Vec3 side_of(const Vec3& direction) {
 }
 
 /// A zigzag between two straight ends; the page has the same (page/lines.js).
-void add_spring(const Vec3& from, const Vec3& to, double widest, DrawnScene& out) {
+void add_spring(const Vec3& from, const Vec3& to, double widest, const DrawnAxes& axes, DrawnScene& out) {
   constexpr int pieces = 12;
   constexpr double straight = 0.15;  // of the length, at each end
   const Vec3 way = to - from;
   const double length = way.norm();
   if (!(length > 0)) return;
-  const auto width = static_cast<float>(std::min(0.35 * widest, 0.008 * length));
+  const float width = axes.length(std::min(0.35 * widest, 0.008 * length));
   const Vec3 side = std::min(2 * widest, 0.06 * length) * side_of(way / length);
   Vec3 last = from;
   for (int k = 0; k <= pieces + 1; ++k) {
     const double share = k > pieces ? 1.0 : straight + (1 - 2 * straight) * k / pieces;
     const double swing = k > pieces || k % 2 == 0 ? 0.0 : k % 4 == 1 ? 1.0 : -1.0;
     const Vec3 next = from + share * way + swing * side;
-    out.lines.push_back({last.cast<float>(), next.cast<float>(), width, spring_colour});
+    out.lines.push_back({axes.place(last), axes.place(next), width, spring_colour});
     last = next;
   }
 }
 
 /// Springs from the attachment to the other body's centre; those without one hang on a short line.
-void add_springs(const ViewFrame& frame, const RunAbout& about, DrawnScene& out) {
-  const double widest = 0.25 * mean_radius(frame);
+void add_springs(const ViewFrame& frame, const RunAbout& about, const DrawnAxes& axes, DrawnScene& out) {
+  const double widest = 0.25 * mean_radius(frame), shown = 4 * widest;  // of a line to a moving frame
   for (const auto& spring : about.springs) {
     const auto a = record_of(frame, spring.body);
     if (a == frame.bodies.end()) continue;
     const Vec3 from = a->pose.to_world(spring.attachment);
-    Vec3 to = from + 4 * widest * upwards(about);
+    const double within = a->surface == nullptr ? a->radius : 0.0;  // of a ball it would be hidden
+    Vec3 to = from + (shown + within) * upwards(about);
     if (spring.to) {
       const auto b = record_of(frame, *spring.to);
       if (b == frame.bodies.end()) continue;
       to = b->pose.position;
     }
-    add_spring(from, to, widest, out);
+    add_spring(from, to, widest, axes, out);
   }
 }
 
@@ -168,6 +176,13 @@ std::vector<std::string> range_ticks(const std::array<double, 2>& range, bool wh
   return {short_number(range[0]), short_number(middle), short_number(range[1])};
 }
 
+DrawnAxes::DrawnAxes(const Camera& seen)
+    : origin(seen.target),
+      unit((seen.eye - seen.target).norm()),
+      camera{Vec3::Zero(), Vec3::Zero(), seen.up, seen.angle} {
+  camera.eye = (seen.eye - origin) / unit;
+}
+
 RunPainter::RunPainter(const ViewSource& source, const Overview& overview, const RenderOptions& options)
     : source_(source),
       overview_(overview),
@@ -176,6 +191,7 @@ RunPainter::RunPainter(const ViewSource& source, const Overview& overview, const
       range_(colour_range(overview, source.about().view, field_.name)),
       camera_(choose_camera(options.camera, source.about(), overview.box,
                             static_cast<double>(options.width) / options.height)),
+      axes_(camera_),
       above_ground_(upwards(source.about()).dot(camera_.eye) > overview.ground_top),
       meshes_(source.bodies()) {
   const auto is_free = [](const BodyRecord& b) { return !b.is_wall(); };
@@ -190,24 +206,45 @@ Rgb RunPainter::colour_of(const BodyRecord& body, float value) const {
   return viridis(std::isfinite(share) ? share : 0.0);
 }
 
-/// Lines a pixel and a half wide, before the faces by a little of the way to the eye.
+/// A pixel and a half wide, before the faces by a little of the way to the eye.
+void RunPainter::add_thin_line(Vec3 from, Vec3 to, const Rgb& colour, float opacity, DrawnScene& out) const {
+  constexpr double before = 2e-3;
+  const double pixel = 2 * std::tan(0.5 * camera_.angle * std::numbers::pi / 180) / options_.height;
+  from += before * (camera_.eye - from);
+  to += before * (camera_.eye - to);
+  const double width = 0.7 * pixel * (0.5 * (from + to) - camera_.eye).norm();
+  out.lines.push_back({axes_.place(from), axes_.place(to), axes_.length(width), colour, opacity});
+}
+
 void RunPainter::add_edges(std::int32_t mesh, const BodyRecord& body, double scale, const Rgb& colour,
                            DrawnScene& out) {
   constexpr std::size_t most_corners = 60'000;
-  constexpr double before = 2e-3;
   const ViewMesh& shape = meshes_.all()[static_cast<std::size_t>(mesh)];
   if (shape.corners.size() > most_corners) return;
   const auto [known, is_new] = edges_.try_emplace(mesh);
   if (is_new) known->second = feature_edges(shape);
-  const double pixel = 2 * std::tan(0.5 * camera_.angle * std::numbers::pi / 180) / options_.height;
   const auto place = [&](std::uint32_t point) -> Vec3 {
-    const Vec3 p = body.pose.to_world(scale * shape.points[point].cast<double>());
-    return p + before * (camera_.eye - p);
+    return body.pose.to_world(scale * shape.points[point].cast<double>());
   };
-  for (std::size_t k = 0; k + 1 < known->second.size(); k += 2) {
-    const Vec3 from = place(known->second[k]), to = place(known->second[k + 1]);
-    const double width = 0.7 * pixel * (0.5 * (from + to) - camera_.eye).norm();
-    out.lines.push_back({from.cast<float>(), to.cast<float>(), static_cast<float>(width), colour});
+  for (std::size_t k = 0; k + 1 < known->second.size(); k += 2)
+    add_thin_line(place(known->second[k]), place(known->second[k + 1]), colour, 1.0f, out);
+}
+
+/// The square of a half-space from within: its outline and lines across it.
+void RunPainter::add_grid(const ViewMesh& square, const BodyRecord& body, double scale, DrawnScene& out) const {
+  const auto corner = [&](std::size_t k) -> Vec3 {
+    return body.pose.to_world(scale * square.points[k].cast<double>());
+  };
+  const Vec3 from = corner(0), u = corner(1) - from, v = corner(3) - from;
+  for (int k = 0; k <= grid_parts; ++k) {
+    const double share = static_cast<double>(k) / grid_parts;
+    const float opacity = k % grid_parts == 0 ? 2 * grid_opacity : grid_opacity;
+    for (const auto& [across, along] : {std::pair{u, v}, std::pair{v, u}}) {
+      const Vec3 start = from + share * across;
+      for (int piece = 0; piece < grid_parts; ++piece)  // each as wide as its own distance wants
+        add_thin_line(start + piece * along / grid_parts, start + (piece + 1) * along / grid_parts, wall_edge, opacity,
+                      out);
+    }
   }
 }
 
@@ -224,14 +261,18 @@ void RunPainter::add_body(const BodyRecord& b, float value, bool edges, DrawnSce
   if (copy.mesh < 0) {
     const bool pale = options_.contacts && !b.is_wall();
     if (std::isfinite(b.radius) && b.radius > 0)
-      out.balls.push_back(
-          {b.pose.position.cast<float>(), static_cast<float>(b.radius), colour, pale ? pale_opacity : 1.0f});
+      out.balls.push_back({axes_.place(b.pose.position), axes_.length(b.radius), colour, pale ? pale_opacity : 1.0f});
     return;
   }
   const bool translucent = b.is_wall() && some_free_ && !is_solid(b);
-  const float opacity = translucent ? wall_opacity : options_.contacts && !b.is_wall() ? pale_opacity : 1.0f;
-  const MeshLook look{copy.scale, colour, opacity, camera_.eye.cast<float>()};
-  add_mesh(meshes_.all()[static_cast<std::size_t>(copy.mesh)], b, look, out);
+  const ViewMesh& mesh = meshes_.all()[static_cast<std::size_t>(copy.mesh)];
+  const bool within = is_within(b, mesh, copy.scale, camera_.eye);
+  const float opacity = within                              ? behind_opacity
+                        : translucent                       ? wall_opacity
+                        : options_.contacts && !b.is_wall() ? pale_opacity
+                                                            : 1.0f;
+  add_mesh(mesh, b, {copy.scale, colour, opacity}, axes_, out);
+  if (within) add_grid(mesh, b, copy.scale, out);
   const bool has_edges = b.is_wall() ? !std::isinf(b.radius) : edges;
   if (!has_edges) return;
   const Rgb edge = !b.is_wall() ? edge_of(colour) : translucent ? wall_edge : ground_edge;
@@ -248,9 +289,9 @@ Image RunPainter::paint(std::size_t k) {
   options_.contacts = wanted && !frame.contacts.empty();  // without chains the bodies are what there is to see
   for (std::size_t row = 0; row < frame.bodies.size(); ++row)
     add_body(frame.bodies[row], values[row], outlined <= most_outlined && !options_.contacts, scene);
-  if (options_.contacts) add_contacts(frame, overview_.strongest, scene);
-  add_springs(frame, source_.about(), scene);
-  Image image = draw_scene(scene, camera_, options_.width, options_.height, paper);
+  if (options_.contacts) add_contacts(frame, overview_.strongest, axes_, scene);
+  add_springs(frame, source_.about(), axes_, scene);
+  Image image = draw_scene(scene, axes_.camera, options_.width, options_.height, paper);
   options_.contacts = wanted;
   if (options_.labels) label(image, frame.time);
   return image;
@@ -269,39 +310,55 @@ std::string fitting(std::string text, double size, double width) {
 }  // namespace
 
 void RunPainter::label(Image& image, double time) const {
-  const double size = std::max(10.0, options_.height / 38.0);
+  const double size = std::max(10.0, options_.letters * options_.height);
   const double left = 0.9 * size;
-  draw_text(image, left, 1.7 * size, fitting(source_.title(), 1.25 * size, image.width - 2 * left), 1.25 * size, ink);
-  draw_text(image, left, 3.1 * size, "t = " + time_text(source_.times(), time) + " s", size, ink);
+  const std::string title = options_.title ? fitting(source_.title(), 1.25 * size, image.width - 2 * left) : "";
+  draw_text(image, left, 1.7 * size, title, 1.25 * size, ink);
+  draw_text(image, left, (options_.title ? 3.1 : 1.7) * size, "t = " + time_text(source_.times(), time) + " s", size,
+            ink);
   if (field_.kind == ViewField::Kind::category && !options_.contacts)
     kinds(image, size);
   else
     colour_bar(image, size);
 }
 
-/// Colour and name of each kind of body that there is, upwards from the lower left.
+/// Colour and name of each kind of body that there is, from above.
 void RunPainter::kinds(Image& image, double size) const {
+  constexpr std::size_t most = 8;
+  const std::vector<std::size_t> all = kinds_shown();
+  const std::size_t named = all.size() > most ? most - 1 : all.size();
+  const int side = static_cast<int>(0.8 * size), x = static_cast<int>(0.9 * size);
+  const double room = 0.4 * image.width;
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < named; ++k) names.push_back(fitting(kind_name(all[k]), size, room));
+  if (named < all.size()) names.push_back(fmt::format("and {} more", all.size() - named));
+  double widest = text_width(field_.label, size);
+  for (const std::string& name : names) widest = std::max(widest, 1.4 * side + text_width(name, size));
+  const double rows = 1.0 + static_cast<double>(names.size());
+  const int high = static_cast<int>(1.3 * size * rows + 0.6 * size), edge = static_cast<int>(0.4 * size);
+  fill_box(image, x - edge, image.height - high - edge, static_cast<int>(widest) + 2 * edge, high, paper);
+  double y = image.height - 1.2 * size - 1.3 * size * (rows - 1);
+  draw_text(image, x, y, field_.label, size, ink);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    y += 1.3 * size;
+    if (k < named) fill_box(image, x, static_cast<int>(y) - side, side, side, kind_colour(all[k]));
+    draw_text(image, x + 1.4 * side, y, names[k], size, ink);
+  }
+}
+
+std::vector<std::size_t> RunPainter::kinds_shown() const {
   std::set<std::size_t> seen;
   for (const BodyRecord& b : source_.bodies())
     seen.insert(field_.name == "material" ? b.material : group_of(source_.about(), b.id));
-  constexpr std::size_t most = 8;
-  const int side = static_cast<int>(0.8 * size), x = static_cast<int>(0.9 * size);
-  double y = image.height - 1.2 * size;
-  double widest = text_width(field_.label, size);
-  for (const std::size_t kind : seen)
-    widest = std::max(widest, 1.4 * side + text_width(fitting(kind_name(kind), size, 0.4 * image.width), size));
-  const double rows = 1.0 + static_cast<double>(std::min(most, seen.size()));
-  const int high = static_cast<int>(1.3 * size * rows + 0.6 * size), edge = static_cast<int>(0.4 * size);
-  fill_box(image, x - edge, image.height - high - edge, static_cast<int>(widest) + 2 * edge, high, paper);
-  std::size_t shown = 0;
-  for (auto kind = seen.rbegin(); kind != seen.rend(); ++kind) {
-    if (++shown > most) break;
-    const Rgb colour = kind_colour(*kind);
-    fill_box(image, x, static_cast<int>(y) - side, side, side, colour);
-    draw_text(image, x + 1.4 * side, y, fitting(kind_name(*kind), size, 0.4 * image.width), size, ink);
-    y -= 1.3 * size;
-  }
-  draw_text(image, x, y, field_.label, size, ink);
+  return {seen.begin(), seen.end()};
+}
+
+std::string RunPainter::unwritable() const {
+  if (!options_.labels) return {};
+  std::string text = options_.title ? source_.title() : "";
+  if (field_.kind == ViewField::Kind::category)
+    for (const std::size_t kind : kinds_shown()) text += kind_name(kind);
+  return without_outline(text);
 }
 
 std::string RunPainter::kind_name(std::size_t kind) const {
@@ -343,14 +400,22 @@ void RunPainter::colour_bar(Image& image, double size) const {
   }
 }
 
-void render_picture(const ViewSource& source, const RenderOptions& options, std::size_t frame,
-                    const std::filesystem::path& target) {
+namespace {
+std::string outline_note(const RunPainter& painter) {
+  const std::string missing = painter.unwritable();
+  return missing.empty() ? "" : "the font of pictures has no " + missing + ": drawn as codes in boxes";
+}
+}  // namespace
+
+std::string render_picture(const ViewSource& source, const RenderOptions& options, std::size_t frame,
+                           const std::filesystem::path& target) {
   const Overview overview = look_over(source);
   RunPainter painter(source, overview, options);
   write_whole_file(target, {png_of(painter.paint(frame))});
+  return outline_note(painter);
 }
 
-std::size_t render_film(const ViewSource& source, const RenderOptions& options, std::size_t every,
+WrittenFilm render_film(const ViewSource& source, const RenderOptions& options, std::size_t every,
                         const std::filesystem::path& target) {
   const Overview overview = look_over(source);
   RunPainter painter(source, overview, options);
@@ -361,7 +426,7 @@ std::size_t render_film(const ViewSource& source, const RenderOptions& options, 
     ++pictures;
   }
   film.finish();
-  return pictures;
+  return {pictures, outline_note(painter)};
 }
 
 }  // namespace epafi

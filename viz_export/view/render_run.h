@@ -17,8 +17,21 @@ namespace epafi {
 struct RenderOptions {
   std::string camera, field;  ///< "": the scene's choice
   int width = 1280, height = 720;
-  bool contacts = false;  ///< as ribbons, bodies pale
-  bool labels = true;     ///< title, time, colour bar
+  bool contacts = false;      ///< as ribbons, bodies pale
+  bool labels = true;         ///< title, time, colour bar
+  bool title = true;          ///< among the labels
+  double letters = 1.0 / 38;  ///< their size as part of the picture's height, 10 pixels at least
+};
+
+/// Places and lengths of a picture: from where the camera looks at, in units of its distance. So numbers of single
+/// precision serve scenes of atoms and of mountains, and scenes far from the origin.
+struct DrawnAxes {
+  Vec3 origin;
+  double unit;
+  Camera camera;  ///< in these axes
+  explicit DrawnAxes(const Camera& seen);
+  Eigen::Vector3f place(const Vec3& p) const { return ((p - origin) / unit).cast<float>(); }
+  float length(double l) const { return static_cast<float>(l / unit); }
 };
 
 class RunPainter {
@@ -28,15 +41,20 @@ class RunPainter {
   RunPainter(const ViewSource& source, Overview&& overview, const RenderOptions& options) = delete;
   Image paint(std::size_t frame);
   const ViewField& field() const { return field_; }
+  /// Characters of its labels that have no outline (without_outline); empty: all have one.
+  std::string unwritable() const;
 
  private:
   Rgb colour_of(const BodyRecord& body, float value) const;
+  void add_thin_line(Vec3 from, Vec3 to, const Rgb& colour, float opacity, DrawnScene& out) const;
+  void add_grid(const ViewMesh& square, const BodyRecord& body, double scale, DrawnScene& out) const;
   void add_edges(std::int32_t mesh, const BodyRecord& body, double scale, const Rgb& colour, DrawnScene& out);
   bool is_solid(const BodyRecord& wall) const;
   void add_body(const BodyRecord& body, float value, bool edges, DrawnScene& out);
   void label(Image& image, double time) const;
   void colour_bar(Image& image, double size) const;
   void kinds(Image& image, double size) const;
+  std::vector<std::size_t> kinds_shown() const;
   std::string kind_name(std::size_t kind) const;
   const ViewSource& source_;
   const Overview& overview_;
@@ -44,20 +62,25 @@ class RunPainter {
   ViewField field_;
   std::optional<std::array<double, 2>> range_;  ///< none: there is no value
   Camera camera_;
+  DrawnAxes axes_;
   bool above_ground_;      ///< the eye
   bool some_free_ = true;  ///< in any frame: walls are seen through even where all bodies have gone
   MeshStore meshes_;
   std::map<std::int32_t, std::vector<std::uint32_t>> edges_;  ///< of each mesh
 };
 
-/// One frame as PNG.
-void render_picture(const ViewSource& source, const RenderOptions& options, std::size_t frame,
-                    const std::filesystem::path& target);
+/// One frame as PNG. Returns a note on characters that could not be written; empty: none.
+[[nodiscard]] std::string render_picture(const ViewSource& source, const RenderOptions& options, std::size_t frame,
+                                         const std::filesystem::path& target);
 
-/// Every so many frames as a film, 25 per second; the ending of the name chooses: .mp4 or .webm. Returns the number of
-/// pictures. Throws FileError with what to install where ffmpeg is not there.
-std::size_t render_film(const ViewSource& source, const RenderOptions& options, std::size_t every,
-                        const std::filesystem::path& target);
+/// Every so many frames as a film, 25 per second; the ending of the name chooses: .mp4 or .webm. Throws
+/// FileError with what to install where ffmpeg is not there.
+struct WrittenFilm {
+  std::size_t pictures;
+  std::string note;  ///< as of a picture
+};
+[[nodiscard]] WrittenFilm render_film(const ViewSource& source, const RenderOptions& options, std::size_t every,
+                                      const std::filesystem::path& target);
 
 /// "12.5", "3e-06": four digits, no trailing zeros.
 [[nodiscard]] std::string short_number(double value);

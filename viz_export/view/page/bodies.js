@@ -48,6 +48,22 @@ function featureEdges(mesh) {
   return out;
 }
 
+// Lines across the square of a half-space: pairs of points.
+function gridLines(square) {
+  const corner = (k) => new THREE.Vector3().fromArray(square, 3 * k);
+  const parts = 4;
+  const u = corner(1).sub(corner(0));
+  const v = corner(3).sub(corner(0));
+  const out = [];
+  for (let k = 1; k < parts; ++k) {
+    for (const [across, along] of [[u, v], [v, u]]) {
+      const start = corner(0).addScaledVector(across, k / parts);
+      out.push(...start.toArray(), ...start.add(along).toArray());
+    }
+  }
+  return out;
+}
+
 class Bodies {
   constructor(scene, bodies) {
     this.group = new THREE.Group();
@@ -67,9 +83,15 @@ class Bodies {
     this.table.needsUpdate = true;
     for (let k = 0; k < bodies.n; ++k) {
       this.states.image.data[4 * k] = bodies.mesh[k] < 0 ? bodies.radius[k] : bodies.scale[k];
-      this.states.image.data[4 * k + 2] = bodies.mesh[k] >= 0 && bodies.radius[k] === 0 ? 1 : 0;  // a half-space
+      this.states.image.data[4 * k + 2] = this.isPlane(k) ? 1 : 0;
     }
     this.build();
+  }
+
+  // A half-space: of what has no end, rails among them, that which is drawn as a square.
+  isPlane(k) {
+    const { mesh, meshes, radius } = this.bodies;
+    return mesh[k] >= 0 && radius[k] === 0 && meshes[mesh[k]].points.length === 12;
   }
 
   material(kind, pass, outlined) {
@@ -185,7 +207,14 @@ class Bodies {
       if (mesh.corners.length > 60000) continue;
       for (const p of featureEdges(mesh)) {
         positions.push(mesh.points[3 * p], mesh.points[3 * p + 1], mesh.points[3 * p + 2]);
-        normals.push(mesh.normals[0], mesh.normals[1], mesh.normals[2]);  // half-spaces alone ask for it
+        normals.push(0, 0, 0);
+        body.push(k);
+      }
+      if (!this.isPlane(k)) continue;
+      const grid = gridLines(mesh.points);
+      positions.push(...grid);
+      for (let p = 0; p < grid.length; p += 3) {
+        normals.push(mesh.normals[0], mesh.normals[1], mesh.normals[2]);  // seen from within alone
         body.push(k);
       }
     }
@@ -225,7 +254,7 @@ class Bodies {
     this.states.needsUpdate = true;
     for (const object of this.group.children) {
       const { pass, all } = object.userData;
-      if (object.isMesh) object.visible = all.some((k) => (pass === 0 ? opacity[k] > 0.995 : opacity[k] > 0 && opacity[k] <= 0.995));
+      if (object.isMesh) object.visible = all.some((k) => (pass === 0 ? opacity[k] > 0.995 : opacity[k] > 0 && (opacity[k] <= 0.995 || this.isPlane(k))));
     }
   }
 

@@ -14,7 +14,7 @@ function fitCamera(camera, controls, box, direction, level, angle) {
   const up = new THREE.Vector3().crossVectors(towards, right);
   const high = 0.86 * Math.tan((0.5 * angle * Math.PI) / 180);
   const wide = high * camera.aspect;
-  let distance = 1e-12;
+  let distance = 0;
   for (let corner = 0; corner < 8; ++corner) {
     const p = new THREE.Vector3(
       corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : box.min.z).sub(target);
@@ -22,7 +22,7 @@ function fitCamera(camera, controls, box, direction, level, angle) {
     distance = Math.max(distance, sideways + towards.dot(p));
   }
   camera.fov = angle;
-  camera.position.copy(target).addScaledVector(towards, distance);
+  camera.position.copy(target).addScaledVector(towards, distance > 0 ? distance : 1);
   controls.target.copy(target);
   settle(camera, controls);
 }

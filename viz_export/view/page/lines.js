@@ -81,7 +81,7 @@ function zigzag(from, to, widest) {
 }
 
 // A spring to a frame that moves along hangs on a short line.
-function springEnds(spring, frame, manifest, rowOf, width) {
+function springEnds(spring, frame, manifest, bodies, rowOf, width) {
   const a = rowOf(spring.body);
   const b = spring.to === undefined ? -1 : rowOf(spring.to);
   if (a < 0 || (spring.to !== undefined && b < 0)) return null;
@@ -89,16 +89,17 @@ function springEnds(spring, frame, manifest, rowOf, width) {
   if (frame.turn) from.applyQuaternion(new THREE.Quaternion().fromArray(frame.turn, 4 * a));
   from.add(new THREE.Vector3().fromArray(frame.place, 3 * a));
   const up = new THREE.Vector3(...manifest.up);
-  const to = b < 0 ? from.clone().addScaledVector(up, 4 * width) : new THREE.Vector3().fromArray(frame.place, 3 * b);
+  const within = bodies.mesh[spring.body] < 0 ? bodies.radius[spring.body] : 0;  // of a ball it would be hidden
+  const to = b < 0 ? from.clone().addScaledVector(up, 4 * width + within) : new THREE.Vector3().fromArray(frame.place, 3 * b);
   return [from, to];
 }
 
-function showSprings(ribbons, frame, manifest, rowOf, widest) {
+function showSprings(ribbons, frame, manifest, bodies, rowOf, widest) {
   const from = [];
   const to = [];
   const sizes = [];
   for (const spring of manifest.springs) {
-    const ends = springEnds(spring, frame, manifest, rowOf, widest);
+    const ends = springEnds(spring, frame, manifest, bodies, rowOf, widest);
     if (!ends || ends[0].equals(ends[1])) continue;
     const corners = zigzag(...ends, widest);
     const width = Math.min(0.35 * widest, 0.008 * ends[0].distanceTo(ends[1]));

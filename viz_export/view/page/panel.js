@@ -11,7 +11,7 @@ function ticksAt(box, range, whole) {
   box.replaceChildren(...rangeTicks(range, whole).map((t) => Object.assign(document.createElement("span"), { textContent: t })));
 }
 
-// range: null where no body has a value of the field.
+// range: null where no body has a value of the field. kinds: { name, colour } of those that there are.
 function showLegend(field, map, range, kinds) {
   const numbers = field.kind !== "category" && range !== null;
   el("legend-name").textContent = field.kind !== "category" && !numbers ? field.label + ": no free bodies" : labelOf(field.label, field.unit);
@@ -22,13 +22,16 @@ function showLegend(field, map, range, kinds) {
     el("legend-bar").style.background = range[0] === range[1] ? css(colourAt(map, 0)) : gradient(map);
     ticksAt(el("legend-ticks"), range, field.whole);
   }
-  el("legend-kinds").replaceChildren(...kinds.slice(0, 12).map((name, k) => {
+  const most = 12;
+  const named = kinds.length > most ? kinds.slice(0, most - 1) : kinds;
+  el("legend-kinds").replaceChildren(...named.map(({ name, colour }) => {
     const row = document.createElement("div");
     const mark = document.createElement("i");
-    mark.style.background = css(kindColours[k % kindColours.length]);
+    mark.style.background = css(kindColours[colour % kindColours.length]);
     row.append(mark, Object.assign(document.createElement("span"), { textContent: name, title: name }));
     return row;
   }));
+  if (named.length < kinds.length) el("legend-kinds").append(`and ${kinds.length - named.length} more`);
 }
 
 // range: null where there are no contacts.

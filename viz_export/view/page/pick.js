@@ -34,12 +34,12 @@ function rayMesh(ray, mesh, scale, place, turn, cut) {
 }
 
 // Bodies under the ray, the one that is meant first: all that are drawn, up to the first that hides the others. Walls
-// stand about what is looked at: free bodies come before them, then walls by how clear they are. { distance, row }
+// stand about what is looked at: free bodies come before them, then walls by how clear they are. { distance, row, opacity }
 function bodiesUnder(ray, frame, bodies, opacity, cut) {
   const hits = hitsOf(ray, frame, bodies, opacity, cut).sort((p, q) => p.distance - q.distance);
-  const hiding = hits.findIndex((hit) => opacity[frame.id[hit.row]] > 0.995);
+  const hiding = hits.findIndex((hit) => hit.opacity > 0.995);
   const seen = hiding < 0 ? hits : hits.slice(0, hiding + 1);
-  const rank = (hit) => (bodies.wall[frame.id[hit.row]] ? 2 - opacity[frame.id[hit.row]] : 0);
+  const rank = (hit) => (bodies.wall[frame.id[hit.row]] ? 2 - hit.opacity : 0);
   return seen.sort((p, q) => rank(p) - rank(q) || p.distance - q.distance);
 }
 
@@ -58,14 +58,16 @@ function hitsOf(ray, frame, bodies, opacity, cut) {
     const ball = reach === Infinity ? 0 : raySphere(ray.origin, ray.direction, centre, reach);
     if (ball === Infinity) continue;
     let distance = ball;
+    let clear = opacity[id];
     if (m >= 0) {
       if (frame.turn) turn.fromArray(frame.turn, 4 * row);
-      if (reach === Infinity && normal.fromArray(bodies.meshes[m].normals).applyQuaternion(turn).dot(ray.direction) > 0) continue;  // a half-space from within
+      const away = reach === Infinity && bodies.meshes[m].points.length === 12 && normal.fromArray(bodies.meshes[m].normals).applyQuaternion(turn).dot(ray.direction) > 0;
+      if (away) clear = Math.min(clear, 0.06);  // a half-space from within
       distance = rayMesh(ray, bodies.meshes[m], bodies.scale[id], centre, turn, taken);
     } else {
       distance = rayBall(ray, centre, reach, taken);
     }
-    if (distance > 0 && distance < Infinity) hits.push({ distance, row });
+    if (distance > 0 && distance < Infinity) hits.push({ distance, row, opacity: clear });
   }
   return hits;
 }

@@ -18,7 +18,7 @@ class Picker extends Viewer {
     const choices = bodies.map((hit) => ({ id: this.frame.id[hit.row] }));
     const shown = el("contacts").checked && this.frame.contacts;
     const hit = shown ? pickContact(ray, this.frame.contacts, 0.4 * this.size) : { contact: -1 };
-    const hidden = bodies.some((body) => body.distance < hit.distance && this.opacity[this.frame.id[body.row]] > 0.5);
+    const hidden = bodies.some((body) => body.distance < hit.distance && body.opacity > 0.5);
     if (hit.contact >= 0 && !hidden) choices.unshift({ a: this.frame.contacts.a[hit.contact], b: this.frame.contacts.b[hit.contact] });
     return choices;
   }

@@ -106,8 +106,9 @@ precision highp float;
 precision highp int;
 ${bodyChunk}
 uniform highp sampler2D turns;
+uniform float outlined;
 in vec3 position;
-in vec3 normal;
+in vec3 normal;  // of a half-space's lines: none for its outline, which is seen from both sides
 out vec3 seen;
 out vec3 outward;
 flat out vec2 look;
@@ -117,12 +118,15 @@ void main() {
   vec4 place = texelFetch(places, at, 0);
   vec4 state = stateOf(at);
   gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
-  if (unseen(place, state)) return;
+  bool plane = state.z > 0.5;
+  if (!plane && unseen(place, state)) return;
   vec4 q = texelFetch(turns, at, 0);
   vec4 p = viewMatrix * vec4(turned(q, position * state.x) + place.xyz, 1.0);
   seen = p.xyz;
   outward = mat3(viewMatrix) * turned(q, normal);
-  if (state.z > 0.5 && dot(outward, seen) > 0.0) return;  // a half-space from within
+  float away = dot(outward, seen);
+  if (plane && away > 0.0) state.y = min(state.y, 0.06);  // from within it lets all else through
+  if (plane && (unseen(place, state) || (outlined > 0.5 && away < 0.0))) return;
   look = vec2(place.w, state.y);
   gl_Position = projectionMatrix * p;
 }`,
@@ -142,7 +146,7 @@ void main() {
     vec3 base = baseColour(look.x);
     bool dark = dot(base, vec3(0.3, 0.6, 0.1)) < 0.3;  // edges stand out from their faces
     vec3 line = look.x < -1.5 ? mix(look.y > 0.995 ? vec3(0.45, 0.48, 0.54) : vec3(0.25, 0.28, 0.34), vec3(0.62, 0.66, 0.72), lifted) : dark ? mix(base, vec3(1.0), 0.45) : 0.4 * base;
-    colour = vec4(line, max(0.45, look.y));
+    colour = vec4(line, look.y < 0.1 ? 0.3 : max(0.45, look.y));
     return;
   }
   vec3 n = normalize(outward);
@@ -166,7 +170,8 @@ void main() {
   vec3 a = (viewMatrix * vec4(from, 1.0)).xyz;
   vec3 b = (viewMatrix * vec4(to, 1.0)).xyz;
   vec3 p = mix(a, b, position.y);
-  vec3 side = cross(b - a, p);
+  float far = length(b - a);  // unit first: squares of products of very small lengths are no numbers
+  vec3 side = far > 0.0 ? cross((b - a) / far, normalize(p)) : vec3(0.0);
   float length_of_side = length(side);
   side = length_of_side > 0.0 ? side / length_of_side : vec3(1.0, 0.0, 0.0);
   seen = p + side * position.x * size.x * (1.0 + position.z);

@@ -94,6 +94,7 @@ class Viewer {
     }
     const names = m.groups.map((g) => g.name || "bodies " + g.first + " to " + (g.first + g.count - 1));
     names.push(m.groups.length > 0 ? "other bodies" : "bodies", "walls");
+    this.materials = new Set(bodies.material);  // that there are
     const materials = 1 + bodies.material.reduce((a, b) => Math.max(a, b), 0);
     const before = this.opacities;
     this.opacities = {
@@ -107,7 +108,7 @@ class Viewer {
 
   listChanged() {
     const kind = el("list-of").value;
-    const entries = this.opacities[kind].filter((_, k) => kind === "material" || this.present.has(k));
+    const entries = this.opacities[kind].filter((_, k) => (kind === "material" ? this.materials : this.present).has(k));
     showList(entries, () => this.showOpacity());
     this.showOpacity();
   }
@@ -202,7 +203,8 @@ class Viewer {
   showColours() {
     const field = this.field();
     const kinds = field.kind !== "category" ? [] : field.name === "material"
-      ? this.opacities.material.map((e) => e.name) : this.opacities.body.filter((_, k) => this.present.has(k)).map((e) => e.name);
+      ? this.opacities.material.map((e, k) => ({ name: e.name, colour: k })).filter((e) => this.materials.has(e.colour))
+      : this.opacities.body.filter((_, k) => this.present.has(k)).map((e, k) => ({ name: e.name, colour: k }));
     showLegend(field, el("map").value, this.range, kinds);
     this.bodies.setTable(colourTable(el("map").value, field.kind === "category"));
     if (this.frame) this.showFrame();
@@ -301,7 +303,7 @@ class Viewer {
     if (el("arrows").checked && this.frame.heading && speed > 0)
       showArrows(this.arrows, this.frame, this.source.bodies, speed, 8 * this.size, (id) => this.opacity[id] > 0);
     else this.arrows.show(0, none, none, none);
-    if (el("springs").checked) showSprings(this.springs, this.frame, this.manifest, (id) => this.rowOf(id), 0.25 * this.size);
+    if (el("springs").checked) showSprings(this.springs, this.frame, this.manifest, this.source.bodies, (id) => this.rowOf(id), 0.25 * this.size);
     else this.springs.show(0, none, none, none);
     this.dirty = true;
   }
