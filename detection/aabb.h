@@ -15,8 +15,14 @@ struct Aabb {
   bool contains(const Aabb& o) const {
     return (min.array() <= o.min.array()).all() && (o.max.array() <= max.array()).all();
   }
-  void include(const Vec3& p) { min = min.cwiseMin(p), max = max.cwiseMax(p); }
-  void include(const Aabb& o) { min = min.cwiseMin(o.min), max = max.cwiseMax(o.max); }
+  void include(const Vec3& p) {
+    min = min.cwiseMin(p);
+    max = max.cwiseMax(p);
+  }
+  void include(const Aabb& o) {
+    min = min.cwiseMin(o.min);
+    max = max.cwiseMax(o.max);
+  }
   Vec3 centre() const { return 0.5 * (min + max); }
   Vec3 extent() const { return max - min; }
 };

@@ -1,7 +1,7 @@
 /// @file contact_law.h  What a smooth law sees of a contact, and what its normal, tangential and rolling parts offer.
 /// A part is a set of static functions over plain parameters of a material pair. Formulas are templates over the number
-/// of contacts that they answer for: `ParametersOf<Real>`, `StateOf<Real>` and `respond` with Real = double or lanes. A
-/// law written for one number alone is asked lane by lane.
+/// of contacts at a time: `ParametersOf<Real>`, `StateOf<Real>` and `respond` with Real = double or lanes. A
+/// law written for one number alone is evaluated lane by lane.
 #pragma once
 #include <concepts>
 
@@ -88,7 +88,7 @@ concept NormalLaw = LawPart<L> &&
   };  ///< state before, state now
 };
 
-/// A normal law that also answers for several contacts at once.
+/// A normal law that also evaluates several contacts at once.
 template <class L>
 concept LaneLaw = NormalLaw<L> &&(
     requires(const typename L::template ParametersOf<Lanes>& p, const KinematicsOf<Lanes>& c) {
@@ -115,7 +115,7 @@ concept LaneFriction = requires(const typename L::template ParametersOf<Lanes>& 
   { L::stiffness(p, normal_stiffness) } -> std::same_as<Lanes>;
 };
 
-/// Some laws of a list share one way of evaluation and differ in how their parameters come about.
+/// Some laws of a list share one evaluation and differ in how their parameters are computed.
 template <class L>
 struct LoopOfLaw {
   using type = L;

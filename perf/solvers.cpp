@@ -82,8 +82,10 @@ void mass_row(const std::string& name, const ContactProblem& problem) {
   strict.set("tolerance", 1e-8);
   const auto solver = newton_entry().make(strict);
   SolverReport report;
-  const double solution =
-      least_seconds([&] { r.assign(problem.size(), Vec3::Zero()), report = solver->solve(blocks, r); });
+  const double solution = least_seconds([&] {
+    r.assign(problem.size(), Vec3::Zero());
+    report = solver->solve(blocks, r);
+  });
   BodyVelocities v;
   std::vector<Vec3> u;
   fmt::print("{:>24} {:>9} {:>15} {:>17.1f} {:>10.2e}\n", name, problem.size(), report.iterations,

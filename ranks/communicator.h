@@ -23,7 +23,7 @@ void broadcast(void* data, std::size_t bytes);
 void sum_over_ranks(std::span<double> numbers);
 void max_over_ranks(std::span<double> numbers);
 
-/// Sums and largest ones of all ranks in one message, which is on its way while its owner does something else.
+/// Sums and largest ones of all ranks in one message, which travels while its owner computes.
 class Joint {
  public:
   static constexpr std::size_t most = 24;  ///< numbers in all

@@ -1,6 +1,6 @@
 /// @file detection_part.h  The search for contacts, shared out: each rank finds those of its bodies, with ghosts of
 /// others and all held bodies, and rank 0, which has all bodies, gets them as if it had found them itself. For steps
-/// whose impulses belong to all contacts together. A pair is looked at by one rank alone, the owner of its first free
+/// whose impulses belong to all contacts together. A pair is tested by one rank alone, the owner of its first free
 /// body. All functions but the getters are called by all ranks together; what only rank 0 has is null elsewhere.
 #pragma once
 #include "engine/step/simulation.h"
@@ -37,7 +37,7 @@ class DetectionPart {
   Plan bodies_;                       ///< from rank 0: whom each rank has, in the order of its slots
   std::vector<Slot> from_;            ///< at rank 0: of the whole, one for each row of the plan
   std::vector<std::uint32_t> place_;  ///< by slot: that of the whole
-  PairList pairs_;                    ///< those that this rank looks at
+  PairList pairs_;                    ///< those that this rank tests
   bool listed_ = false;               ///< they are those of the last list
   double own_ = 0.0;                  ///< free bodies of this rank
   std::vector<std::byte> out_, in_;

@@ -15,7 +15,10 @@ class Plan {
   Plan(const Plan&) = delete;
   Plan(Plan&& o) noexcept { swap(o); }
   Plan& operator=(const Plan&) = delete;
-  Plan& operator=(Plan&& o) noexcept { return swap(o), *this; }
+  Plan& operator=(Plan&& o) noexcept {
+    swap(o);
+    return *this;
+  }
   ~Plan();
 
   std::size_t sent() const { return sent_; }
@@ -25,7 +28,11 @@ class Plan {
   void run(const std::vector<std::byte>& rows, std::size_t row, std::vector<std::byte>& arrived) const;
 
  private:
-  void swap(Plan& o) { std::swap(plan_, o.plan_), std::swap(sent_, o.sent_), std::swap(received_, o.received_); }
+  void swap(Plan& o) {
+    std::swap(plan_, o.plan_);
+    std::swap(sent_, o.sent_);
+    std::swap(received_, o.received_);
+  }
   void* plan_ = nullptr;
   std::size_t sent_ = 0, received_ = 0;
 };

@@ -151,7 +151,7 @@ void MpiTeam::lead(Simulation& whole, std::shared_ptr<Simulation> part, PartSetu
   agreed_ = true;
   const int all = agree(0);
   if (all != 0) {
-    agreed_ = following_ = true;  // nobody is left to be told
+    agreed_ = following_ = true;  // no rank is left to inform
     throw FileError("another process of the run could not begin: it ended with code " + std::to_string(all - no_run));
   }
   if (setup.shares == PartSetup::Shares::contacts) {

@@ -24,7 +24,7 @@ class Territory {
   void cut(const World& world, const Owners& owner, double worked);
   /// Ghosts are enough while no body has moved farther than this since it was placed [m].
   double margin() const { return margin_; }
-  /// Enough for ways of this length too; no more than so many times the usual margin.
+  /// Enough for displacements of this length too; no more than so many times the usual margin.
   void widen(double longest, double most = std::numeric_limits<double>::infinity()) {
     margin_ = std::max(usual_margin_, std::min(2.0 * longest, most * usual_margin_));
   }

@@ -34,7 +34,7 @@ struct Assembly {
   std::vector<Problem> warnings;
   std::vector<double> clocks;    ///< of the stages before the present one, at their ends [s]
   std::vector<BodyId> body_ids;  ///< of Scene::bodies; empty: the world has them first, in their order
-  KnownFills fill_bodies;        ///< of Scene::fills, where somebody wants them
+  KnownFills fill_bodies;        ///< of Scene::fills, if needed
 
   /// A driven body, and when what drives it was written.
   struct Drive {
@@ -54,7 +54,7 @@ struct Assembly {
   std::unique_ptr<Measure> measure(const MeasureSpec& spec) const;
 };
 
-/// How a simulation is made that goes on from another one, or whose bodies are asked for afterwards.
+/// How a simulation is made that continues another one, or whose bodies are read afterwards.
 struct AssembleOptions {
   std::vector<double> clocks{};            ///< Assembly::clocks
   std::optional<TimeStep> time_step{};     ///< taken as it is
@@ -62,7 +62,7 @@ struct AssembleOptions {
   bool may_fuse = true;                    ///< free spheres may take their own loop
   KnownFills fill_bodies{};                ///< by fill, where they are known; others are placed
   bool keep_fill_bodies = false;
-  bool places_known = true;  ///< false: bodies will stand elsewhere by then, and fills ask nobody for room
+  bool places_known = true;  ///< false: bodies will have moved by then, so fills do not test for room
 };
 
 /// Builds shapes, plan, world and stages. Throws SceneError for what only shows now (geometry, missing constants, time

@@ -63,7 +63,7 @@ FillBody draw(const FillSpec& fill, const std::vector<FillShape>& shapes, Random
   return body;
 }
 
-/// Counts what is placed against what is asked for.
+/// Compares what is placed with what is required.
 class Quota {
  public:
   explicit Quota(const FillSpec& fill) : fill_(fill) {}
@@ -72,7 +72,10 @@ class Quota {
     if (fill_.mass) return mass_ + 0.5 * next_mass <= *fill_.mass;  // the nearest total
     return true;
   }
-  void place(double mass) { ++placed_, mass_ += mass; }
+  void place(double mass) {
+    ++placed_;
+    mass_ += mass;
+  }
   std::string shortfall() const {
     if (fill_.full) return {};
     if (fill_.count) return fmt::format("only {} of {} bodies fit into the region", placed_, *fill_.count);

@@ -31,8 +31,8 @@ struct BoundCheck {
 
 class RunMonitor final : public Observer {
  public:
-  /// steps: of the whole run; the mean overlap is that of its last tenth. interval: steps between looks at energy and
-  /// mean overlap; the largest overlap, the residual and how bodies have moved are looked at in every step.
+  /// steps: of the whole run; the mean overlap is that of its last tenth. interval: steps between samples of energy and
+  /// mean overlap; the largest overlap, the residual and displacements of bodies are sampled in every step.
   /// bound_bodies: of [bounds], then of [accuracy].
   struct Setup {
     std::uint64_t steps = 0, interval = 1;
@@ -113,7 +113,7 @@ class RunMonitor final : public Observer {
   Totals totals_;
   Momentum momentum_;
   Overlap last_overlap_;
-  bool follows_bodies_ = false;  ///< a bound on how bodies move: they are looked at in every step
+  bool follows_bodies_ = false;  ///< a bound on the motion of bodies: sampled in every step
   std::optional<double> momentum_error_;
   std::function<double(const Condition&)> measured_{};
   std::vector<double> left_since_;  ///< by bound: when a measure began to be out of it [s]; < 0: it is not

@@ -21,7 +21,7 @@ double density(const Scene& scene, std::size_t material, const Place& place) {
   return m.density;
 }
 
-/// The body of a shape that may do what it is asked to.
+/// The body of a shape, checked for the motion it is given.
 Body make_body(const Assembly& a, const BuiltShape& shape, const BodySpec& spec, const Place& place) {
   Body body;
   body.position = spec.position;

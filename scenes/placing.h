@@ -14,13 +14,13 @@ void add_bodies(Assembly& assembly, ShapeBuilder& builder, std::size_t stage);
 /// Then they are read so, with a warning. Before the bodies are added.
 void read_principal_axes(Assembly& assembly, ShapeBuilder& builder);
 
-/// What the fills of earlier stages have brought; what has not been kept is asked for once more.
+/// Bodies of the fills of earlier stages; those that were not kept are computed again.
 KnownFills known_fills(const Scene& scene, const AssembleOptions& options);
 
-/// Of an earlier stage. A fill that is not known asks nobody for room: nobody knows where the bodies stood.
+/// Of an earlier stage. A fill that is not known does not test for room: the positions of that time are lost.
 void add_known_fills(Assembly& assembly, ShapeBuilder& builder, std::size_t stage, const KnownFills& known);
 
-/// Of the present stage. places_known: bodies stand where they are asked for room.
+/// Of the present stage. places_known: positions are those of now, so fills test for room.
 void add_fills(Assembly& assembly, ShapeBuilder& builder, const KnownFills& known, bool places_known);
 
 }  // namespace epafi

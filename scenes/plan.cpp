@@ -266,7 +266,7 @@ void plan_reach(const Scene& scene, const ShapesInUse& use, bool smooth, StepPla
   if (!std::isfinite(smallest)) return;
   // What bodies move in a step is foreseen, as far as the step that the program chooses lets them go: by a quarter of
   // the smallest each (time_step_nonsmooth.h). What a longer written step brings nearer than that is found overlapping.
-  // Pairs that move less are asked for less (follow_motion).
+  // Slow pairs have a smaller reach (follow_motion).
   plan.reach = 0.5 * smallest;
   plan.resting_reach = 0.005 * smallest;
 }

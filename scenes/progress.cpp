@@ -44,7 +44,7 @@ std::string Progress::line(const Simulation& sim, const RunMonitor& monitor) con
       monitor.last_overlap().max_relative);
   if (r.has_solver) text += fmt::format("  residual {:.2g} in {} it", r.solver.residual, r.solver.iterations);
   EnergyLedger now = sim.ledger;                // a copy: a look may not extend what the run's own error is relative to
-  if (!sim.is_ahead()) now.measure(sim.world);  // work is booked every step, energies only where somebody looks
+  if (!sim.is_ahead()) now.measure(sim.world);  // work is booked every step, energies only when measured
   text += fmt::format("  energy error {:.2g}", now.relative_error());
   for (const Warning& w : sim.warnings.all()) text += "  warning: " + w.text;
   return text;

@@ -12,7 +12,7 @@ class Progress {
  public:
   /// steps: of the whole run; first: those done before (a resumed run).
   Progress(std::uint64_t steps, std::uint64_t first, bool quiet);
-  /// A stage begins: what is told of progress is its own.
+  /// A stage begins: progress is counted from here.
   void enter(const std::string& stage, std::uint64_t first_step, std::uint64_t last_step);
   /// Cheap to call every step: prints at most every 0.5 s (bar) or 10 s (lines).
   void update(const Simulation& sim, const RunMonitor& monitor);

@@ -23,16 +23,28 @@ namespace {
 /// Lines of words; texts have their length before them. Numbers are hexadecimal: the same bits come back.
 struct RecordWriter {
   std::string out;
-  RecordWriter& word(const std::string& w) { return out += w + " ", *this; }
-  RecordWriter& number(double x) { return out += fmt::format("{:a} ", x), *this; }
-  RecordWriter& count(std::uint64_t n) { return out += std::to_string(n) + " ", *this; }
+  RecordWriter& word(const std::string& w) {
+    out += w + " ";
+    return *this;
+  }
+  RecordWriter& number(double x) {
+    out += fmt::format("{:a} ", x);
+    return *this;
+  }
+  RecordWriter& count(std::uint64_t n) {
+    out += std::to_string(n) + " ";
+    return *this;
+  }
   RecordWriter& body(const FillBody& b) {
     count(b.shape).number(b.size);
     for (int k = 0; k < 3; ++k) number(b.position[k]).number(b.velocity[k]);
     for (int k = 0; k < 4; ++k) number(b.orientation.coeffs()[k]);
     return *this;
   }
-  RecordWriter& text(const std::string& t) { return out += std::to_string(t.size()) + ":" + t + " ", *this; }
+  RecordWriter& text(const std::string& t) {
+    out += std::to_string(t.size()) + ":" + t + " ";
+    return *this;
+  }
 };
 
 struct RecordParser {

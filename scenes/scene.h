@@ -266,7 +266,7 @@ struct MeasureSpec {
   std::string name;
   std::string kind;
   double interval = 0.0;  ///< [s]; 0: every step
-  bool thinned = false;   ///< no interval is written: every step is looked at, not every one is written
+  bool thinned = false;   ///< no interval is given: every step is sampled, not every one is written
   Parameters parameters;
   std::vector<NamedBodies> bodies;  ///< of body = NAME (one) or between = [NAME, NAME] (two)
   Place place;
@@ -320,7 +320,7 @@ struct StartSpec {
   std::string run;                   ///< folder
   std::string hash;                  ///< of what is taken from it
   std::size_t bodies = 0;            ///< so many of Scene::bodies come from it, with the numbers they have there
-  std::vector<std::string> dropped;  ///< what does not come along, to be told
+  std::vector<std::string> dropped;  ///< what is left behind, for the report
   bool at_rest = false;              ///< velocities are left behind
   Vec3 move = Vec3::Zero();          ///< [m]
   Quat turn = Quat(1, 0, 0, 0);      ///< about the origin, before the move

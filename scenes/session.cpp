@@ -78,7 +78,7 @@ struct Session::Files {
   FrameWriter frames;
   StateSnapshot last_good;
   RunMark mark;
-  std::unique_ptr<MeasuresCsv> course{};  ///< null: none is asked for
+  std::unique_ptr<MeasuresCsv> course{};  ///< null: none is written
 };
 
 Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder,
@@ -307,7 +307,7 @@ void Session::set_trouble(const Failure& failure) {
       contact.method.value == Method::smooth ? "; law " + contact.law.value : "; solver " + contact.solver.value;
 }
 
-/// A wheelset beside its rails is a whole state: it is saved as it is, to be looked at.
+/// A wheelset beside its rails is a whole state: it is saved as it is.
 Ending Session::end_off_track(const Failure& failure) {
   set_trouble(failure);
   trouble_ += fmt::format("; the state of step {} is saved in checkpoint.h5", assembly_->simulation->steps());
@@ -389,7 +389,7 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   record_.stages.back().until = sim.world.time;
   wall_ = elapsed();
   cpu_ = process_seconds() - first_cpu;
-  // Saved before anything is looked at: measuring the energy extends what its error is relative to, and a run that goes
+  // Saved before anything is measured: measuring the energy extends what its error is relative to, and a run that goes
   // on must not tell that it was cut off.
   const bool is_cut = !is_done() && ending_ != Ending::failed && ending_ != Ending::bound_violated;
   if (is_cut) save_checkpoint_now();

@@ -27,7 +27,10 @@ class WornPairs final : public BroadPhase {
     list_->reorder(change);
     if (FusedSpheres* const m = model()) m->forget_margins();
   }
-  void visit(StateVisitor& visitor) override { used_margin_.clear(), list_->visit(visitor); }
+  void visit(StateVisitor& visitor) override {
+    used_margin_.clear();
+    list_->visit(visitor);
+  }
 
  private:
   bool goes_on(const World& world);
@@ -56,8 +59,14 @@ class SphereSplit final : public NarrowPhase {
   const char* name() const override { return "spheres apart"; }
   void collide(const World& world, const PairList& pairs, ContactSet& contacts) override;
   void unite(const World& world, ContactSet& contacts) override { others_->unite(world, contacts); }
-  void reorder(const Reordering& change) override { known_ = false, others_->reorder(change); }
-  void visit(StateVisitor& visitor) override { known_ = false, others_->visit(visitor); }
+  void reorder(const Reordering& change) override {
+    known_ = false;
+    others_->reorder(change);
+  }
+  void visit(StateVisitor& visitor) override {
+    known_ = false;
+    others_->visit(visitor);
+  }
 
  private:
   void split(const World& world, const PairList& pairs);

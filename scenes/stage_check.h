@@ -1,4 +1,4 @@
-/// @file stage_check.h  The stages that a scene will come to, looked at before it begins.
+/// @file stage_check.h  Checks the later stages of a scene before the first one begins.
 #pragma once
 #include <string>
 #include <vector>

@@ -128,7 +128,7 @@ namespace {
 
 bool is_at(double time, double wanted) { return std::abs(time - wanted) <= 1e-6 * std::max(1e-9, wanted) + 1e-12; }
 
-/// The snapshot of that time; why: it is asked for, where the user has not.
+/// The snapshot of that time; why: the reason where the user did not choose it.
 std::size_t snapshot_at(const StoredRun& stored, double time, const std::string& why = "") {
   std::string times;
   for (std::size_t k = 0; k < stored.snapshots(); ++k) {

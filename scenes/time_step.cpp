@@ -63,7 +63,7 @@ void look_at(Survey& out, const Assembly& a, const Body& body, const Vec3& at) {
   out.load += mass * a.simulation->world.gravity.norm() + body.external_force.norm();
   out.low = out.low.cwiseMin(at - Vec3::Constant(radius));
   out.high = out.high.cwiseMax(at + Vec3::Constant(radius));
-  constexpr std::size_t most = 50;  // shapes whose corners are looked at
+  constexpr std::size_t most = 50;  // shapes whose corners are read
   if (points_of(ShapeRef{shape}) < 4 || smallest.flat.size() >= most || smallest.flat.contains(shape)) return;
   const Aabb box = a.shapes->bounding_box(ShapeRef{shape}, Pose{});
   const double density = a.scene.materials[material].material.density;

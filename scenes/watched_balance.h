@@ -33,7 +33,7 @@ class WatchedBalance {
     double gained = 0.0;  ///< all that bodies gained [J]
     double lost = 0.0;    ///< all that was lost track of [J]
     double put_in = 0.0;  ///< by contacts, part of `gained` [J]
-    bool told = false;    ///< open for long enough to be told
+    bool told = false;    ///< open for long enough to be reported
     bool ends = false;    ///< so far, for so long, that the run ends
   };
   const Finding& finding() const { return finding_; }

@@ -150,8 +150,15 @@ void BallPairs::take(const World& world, const BroadSetup& setup, const FatBodie
   };
   parallel_group(
       pairs.pairs.size(), balls_.size(), begin_, each,
-      [&](std::size_t count) { renew(partner_, count), renew(image_, count); },
-      [&](std::uint32_t place, const Partner& p) { partner_[place] = p.place, image_[place] = p.image; }, 64);
+      [&](std::size_t count) {
+        renew(partner_, count);
+        renew(image_, count);
+      },
+      [&](std::uint32_t place, const Partner& p) {
+        partner_[place] = p.place;
+        image_[place] = p.image;
+      },
+      64);
   parallel_for(balls_.size(), [&](std::size_t k) {
     sort_partners(partner_.data() + begin_[k], image_.data() + begin_[k], begin_[k + 1] - begin_[k]);
   });

@@ -9,7 +9,7 @@
 namespace epafi {
 
 namespace {
-constexpr std::size_t most_taken_in = 64;  // bodies at a time: for each all others are looked at
+constexpr std::size_t most_taken_in = 64;  // bodies at a time: each is tested against all others
 }
 
 void ListBroadPhase::see_time(double now) {

@@ -20,8 +20,8 @@ class ListBroadPhase : public BroadPhase {
   bool keeps_pairs(const World& world) final;
   /// Of a list that was not kept.
   bool used_up_by_slow() const { return used_up_by_slow_; }
-  /// Adds the pairs of bodies that came since, in slots behind the others, to a list that holds for all others: a look
-  /// at every body for each of them. False, and nothing has changed, where it takes a new list.
+  /// Adds the pairs of bodies that entered since, in slots after the others, to a list that is valid for the others:
+  /// tests each of them against every body. False, and nothing has changed, where a new list is needed.
   bool take_in(const World& world, PairList& pairs);
   /// Builds the list anew whatever bodies() says of it.
   void renew_pairs(const World& world, PairList& pairs, bool used_up_by_slow);

@@ -1,10 +1,10 @@
 /// @file fat_bodies.h  What a broad phase sees of the bodies: boxes and balls fattened so that the pair list lasts for
 /// many steps. Fat means the exact bound plus (reach + margin)/2 on every side, the margin being the body's own. Two
 /// bodies are near when their fat boxes AND their fat bounding balls overlap; every method lists the near pairs, so all
-/// lists are the same. Ways of bodies are those in a frame that moves as most of them do (engine/step/common_motion.h):
-/// a pair comes closer by as much as its bodies' ways in any one frame, and 20 000 spheres that fall into a hopper ask
-/// for half as many lists (17.5 to 10.9 ns a step). A half-space wears by how much nearer it has come to the places of
-/// the bodies, wherever its own point has gone. In a periodic cell images stand behind the bodies
+/// lists are the same. Displacements are relative to the common motion (engine/step/common_motion.h): in any frame two
+/// bodies approach by at most the sum of their displacements, and 20 000 spheres that fall into a hopper need half as
+/// many lists (17.5 to 10.9 ns a step). A half-space uses its margin by how much it has approached the positions of the
+/// bodies, whatever its own point does. In a periodic cell images follow the bodies
 /// (detection/broad/periodic_pairs.h), with the margins of their bodies.
 #pragma once
 #include <algorithm>
@@ -61,8 +61,11 @@ struct ApartPlane {
 
 /// Whether a list is outdated.
 struct ListState {
-  bool out = false, by_slow = false;  ///< by_slow: one of the slow ones, whose margin is the least, is beyond it
-  void see(bool beyond, bool slow) { out = out || beyond, by_slow = by_slow || (beyond && slow); }
+  bool out = false, by_slow = false;  ///< by_slow: a slow body, which has the least margin, has used it up
+  void see(bool beyond, bool slow) {
+    out = out || beyond;
+    by_slow = by_slow || (beyond && slow);
+  }
   ListState& operator+=(const ListState& o) {
     out = out || o.out;
     by_slow = by_slow || o.by_slow;
@@ -70,17 +73,20 @@ struct ListState {
   }
 };
 
-/// The largest way of a body since the list was taken over half its margin; the list is outdated above 1.
+/// The largest displacement of a body since the list was built, over half its margin; the list is outdated above 1.
 struct MarginUse {
   double most = 0.0;
   ListState used_up{};
-  void see(double used_margin, bool slow) { most = std::max(most, used_margin), used_up.see(used_margin > 1.0, slow); }
+  void see(double used_margin, bool slow) {
+    most = std::max(most, used_margin);
+    used_up.see(used_margin > 1.0, slow);
+  }
 };
 
 /// Of the median radius: above, one box test per body is cheaper than one more grid level.
 inline constexpr double giant_ratio = 16.0;
 
-/// Of the shapes of some thousand bodies [m]: it says what a giant is and which margins are large, no more.
+/// Of the shapes of some thousand bodies [m]; decides only which bodies are giants and which margins are large.
 double median_radius(const World& world, const ShapeStore& shapes);
 /// Bounding radius above which bodies are tested one by one against all others [m]; radius(s): of bodies 0 to count.
 double largest_ordinary(std::size_t count, double median, const std::function<double(std::size_t)>& radius);

@@ -1,8 +1,8 @@
-/// @file list_frame.h  Where a list's bodies would be now had they moved in common alone: with the common_motion that
-/// was foreseen (engine/step/common_motion.h) and with the uniform flow of a periodic cell that deforms. What a list
-/// wears by is the rest. With x0 the place when the list was taken, F = diag(f) the stretch of the cell about its low
-/// corner, c the way of the common_motion and u = x - (F x0 + c): the distance of two bodies is at least |F (x0 - y0)|
-/// - |u| - |v|. A pair that was not listed was further apart than the sum of its fat radii H; it stays out of reach
+/// @file list_frame.h  Where a list's bodies would be if they followed the common motion alone: the predicted one
+/// (engine/step/common_motion.h) and the uniform flow of a deforming periodic cell. Only the rest uses up margins.
+/// With x0 the position when the list was built, F = diag(f) the stretch of the cell about its low corner, c the common
+/// displacement and u = x - (F x0 + c): the distance of two bodies is at least |F (x0 - y0)| - |u| - |v|. A pair that
+/// was not listed was further apart than the sum of its fat radii H; it stays out of reach
 /// while |u| + max|f - 1| H is below half the margin for both.
 #pragma once
 #include <algorithm>

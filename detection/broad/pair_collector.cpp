@@ -82,7 +82,7 @@ void PairCollector::place(Block& block, Slot i, Slot j) {
 
 void PairCollector::sort_apart() {
   planes_.assign((bodies_.sphere_planes.size() + 3) / 4, FourPlanes{});
-  for (FourPlanes& four : planes_) four.reach = lanes(-infinity);  // a place without a plane: nobody is near
+  for (FourPlanes& four : planes_) four.reach = lanes(-infinity);  // a place without a plane: no body is near
   other_.clear();
   std::size_t n = 0;
   for (std::size_t k = 0; k < bodies_.apart.size(); ++k) {

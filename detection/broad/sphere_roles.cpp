@@ -51,8 +51,14 @@ void take_spheres(const World& world, const SphereRoles& roles, PairList& pairs)
   };
   parallel_group(
       pairs.pairs.size(), n, out.first, each,
-      [&](std::size_t count) { renew(out.partner, count), renew(out.image, count); },
-      [&](std::uint32_t place, const Partner& p) { out.partner[place] = p.slot, out.image[place] = p.image; });
+      [&](std::size_t count) {
+        renew(out.partner, count);
+        renew(out.image, count);
+      },
+      [&](std::uint32_t place, const Partner& p) {
+        out.partner[place] = p.slot;
+        out.image[place] = p.image;
+      });
   parallel_for(n, [&](std::size_t s) {
     sort_partners(out.partner.data() + out.first[s], out.image.data() + out.first[s], out.first[s + 1] - out.first[s]);
   });

@@ -66,7 +66,7 @@ BodyPath way_of(const World& world, Slot s, double duration) {
   return path;
 }
 
-/// First share of the ways at which the centre comes as near to a wall as `distance` [m]; above 1: never. By
+/// First share of the paths at which the centre comes as near to a wall as `distance` [m]; above 1: never. By
 /// conservative advancement, as time_of_impact.h.
 double share_near_wall(const HollowWall& wall, const BodyPath& ball, const BodyPath& way, double distance) {
   const double apart = (ball.start.position - way.start.position).norm() + (ball.travel - way.travel).norm();

@@ -1,8 +1,8 @@
 /// @file sweep_guard.h  Keeps flagged bodies from passing through others within a step (`continuous = true` of a body).
-/// A flagged body whose way leads it deeper into another than a tenth of its inner radius is held back where it first
+/// A flagged body whose path leads it deeper into another than a tenth of its inner radius is stopped where it first
 /// touches (where it was, if it touched already); its velocity is left to the contact model. Bodies that only graze,
-/// slide or roll are not held. At a hollow wall, which has no inside, the ball about the body's centre that it contains
-/// is what must not pass. All others pay nothing but being looked at by the flagged ones.
+/// slide or roll are not stopped. At a hollow wall, which has no inside, the ball inscribed about the body's centre
+/// must not pass. Other bodies cost nothing but the tests of the flagged ones against them.
 #pragma once
 #include <cstdint>
 #include <vector>

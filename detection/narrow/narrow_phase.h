@@ -20,7 +20,10 @@ class BatchNarrowPhase : public NarrowPhase {
   /// The reach of a pair shrinks to twice what its bodies move in `seconds`, not below `least`: at rest a pile of 1000
   /// polyhedra has 4000 points within 0.005 of its smallest radius and 5400 within 0.02, of which 2900 carry load.
   /// Pairs of polyhedra that hardly move keep their points without a query (resting_patch.h).
-  void follow_motion(double seconds, double least) { seconds_ = seconds, least_reach_ = least; }
+  void follow_motion(double seconds, double least) {
+    seconds_ = seconds;
+    least_reach_ = least;
+  }
 
   /// Walls that touch act as one surface (seams.h).
   void join_walls();

@@ -18,7 +18,10 @@ class RollingSearch final : public NarrowPhase {
   const char* name() const override { return "wheels on rails apart"; }
   void collide(const World& world, const PairList& pairs, ContactSet& contacts) override;
   void unite(const World& world, ContactSet& contacts) override { others_->unite(world, contacts); }
-  void reorder(const Reordering& change) override { known_ = false, others_->reorder(change); }
+  void reorder(const Reordering& change) override {
+    known_ = false;
+    others_->reorder(change);
+  }
   void visit(StateVisitor& visitor) override { others_->visit(visitor); }
 
  private:

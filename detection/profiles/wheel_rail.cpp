@@ -157,7 +157,10 @@ void WheelRailPair::touch() {
   if (const double way = clearance(); std::isfinite(way)) centre_.z() += way;
 }
 
-void WheelRailPair::lower(double depth) { centre_.z() += depth - depth_, depth_ = depth; }
+void WheelRailPair::lower(double depth) {
+  centre_.z() += depth - depth_;
+  depth_ = depth;
+}
 
 ContactRegion WheelRailPair::region_at(double y, double deepest) const {
   const Locus at = locus(y);

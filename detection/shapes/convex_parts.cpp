@@ -153,7 +153,7 @@ class CellCutter {
     return best;
   }
 
-  /// Parts of the fragments on one side of a plane; what lies on it bounds both cells and is asked no more.
+  /// Parts of the fragments on one side of a plane; what lies on it bounds both cells and is done.
   std::vector<Fragment> behind(const std::vector<Fragment>& fragments, const Plane& plane) const {
     std::vector<Fragment> out;
     for (const Fragment& f : fragments) {

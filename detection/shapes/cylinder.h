@@ -53,7 +53,7 @@ struct Cylinder {
   }
   CylinderCore cylinder_core() const { return {radius, half_length()}; }
   double rounding() const { return 0.0; }
-  /// Eight points of the rim of the end that d looks at, or the line of the side.
+  /// Eight points of the rim of the end on the side of d, or the line of the side.
   FlatSide facing(const Vec3& d) const {
     FlatSide side;
     const double across2 = d.x() * d.x() + d.y() * d.y(), limit = facing_sine * facing_sine * d.squaredNorm();

@@ -86,7 +86,7 @@ struct HollowSolid {
     if (!(across > 0.0)) return {0.0, 0.0, z};
     return {r * (d.x() / across), r * (d.y() / across), z};
   }
-  /// Eight points of the rim of the end that d looks at, or the line of the side.
+  /// Eight points of the rim of the end on the side of d, or the line of the side.
   FlatSide facing(const Vec3& d) const;
 };
 static_assert(ConvexShape<HollowSolid>);

@@ -207,7 +207,11 @@ std::vector<HullKernels> find_kernels() {
   return out;
 }
 
-void put(Lanes3& v, std::size_t k, const Vec3& x) { v.x[k] = x.x(), v.y[k] = x.y(), v.z[k] = x.z(); }
+void put(Lanes3& v, std::size_t k, const Vec3& x) {
+  v.x[k] = x.x();
+  v.y[k] = x.y();
+  v.z[k] = x.z();
+}
 
 }  // namespace
 

@@ -169,7 +169,7 @@ void cut_at_corners(TriangleSurface& surface, JoinReport& report) {
                    uses.begin() + static_cast<std::ptrdiff_t>(end));
   }
   if (loose.empty()) return;
-  std::vector<std::uint32_t> name;  // a corner on an open side is itself the end of one: no others are asked
+  std::vector<std::uint32_t> name;  // a corner on an open side is itself the end of one: no others are tested
   std::vector<char> known(surface.vertices.size(), 0);
   for (const EdgeUse& u : loose)
     for (const std::uint32_t v : {u.low, u.high})

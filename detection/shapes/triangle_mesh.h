@@ -97,7 +97,7 @@ struct TriangleMesh {
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> leaves_;  ///< triangles in the order of the leaves
   std::vector<Aabb> boxes_;            ///< of each triangle
-  ObbTree oriented_;                   ///< empty where nobody asked for it
+  ObbTree oriented_;                   ///< empty until it is needed
   double radius_ = 0.0;
 };
 static_assert(SolidShape<TriangleMesh>);

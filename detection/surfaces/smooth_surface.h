@@ -10,7 +10,7 @@
 
 namespace epafi {
 
-/// F and its derivatives at a point. The gradient must not vanish where the surface is looked at.
+/// F and its derivatives at a point. The gradient must not vanish on the evaluated part.
 struct ImplicitValue {
   double value = 0.0;
   Vec3 gradient = Vec3::Zero();

@@ -19,7 +19,14 @@ struct GapRows {
   std::vector<std::uint32_t> begin, node;  ///< CSR over candidates
   std::vector<double> weight;
   std::vector<double> area;  ///< of the second surface that the candidate stands for [m^2]; empty: not told
-  void clear() { gap.clear(), normal.clear(), begin.assign(1, 0), node.clear(), weight.clear(), area.clear(); }
+  void clear() {
+    gap.clear();
+    normal.clear();
+    begin.assign(1, 0);
+    node.clear();
+    weight.clear();
+    area.clear();
+  }
 };
 
 /// Candidates are the nodes of the second surface, or integration points of its triangles.

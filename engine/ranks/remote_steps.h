@@ -1,5 +1,5 @@
-/// @file remote_steps.h  Steps that several processes make, each with a part of the bodies, for a simulation that has
-/// all of them between two steps where somebody asks: files, observers, events and sorts know of one process only.
+/// @file remote_steps.h  Steps made by several processes, each with a part of the bodies. The simulation of process 0
+/// holds all bodies between steps whenever files, observers, events or sorts need them: these know one process only.
 #pragma once
 #include "engine/step/domain.h"
 #include "engine/step/report.h"
@@ -8,7 +8,7 @@ namespace epafi {
 
 class Simulation;
 
-/// What sharing out comes to.
+/// How the bodies are shared out.
 struct RankFigures {
   int ranks = 1;
   double imbalance = 1.0;       ///< most free bodies of a rank over their mean, mean of the steps

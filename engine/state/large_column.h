@@ -42,8 +42,8 @@ struct LargePages {
 template <class T>
 using LargeColumn = std::vector<T, LargePages<T>>;
 
-/// A column whose elements are written before they are read: `resize` leaves them as they are, so that the thread which
-/// writes a page first has it near, and pages that nobody has written yet take no memory.
+/// A column whose elements are written before they are read: `resize` does not initialise them. A page is placed near
+/// the processor that writes it first, and unwritten pages take no memory.
 template <class T>
 struct UnwrittenPages : LargePages<T> {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);

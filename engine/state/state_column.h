@@ -38,7 +38,10 @@ class StateColumn {
     Iterator() = default;
     Iterator(std::byte* at, std::size_t stride) : at_(at), stride_(stride) {}
     Element& operator*() const { return *reinterpret_cast<Element*>(at_); }
-    Iterator& operator++() { return at_ += stride_, *this; }
+    Iterator& operator++() {
+      at_ += stride_;
+      return *this;
+    }
     Iterator operator++(int) {
       Iterator before = *this;
       ++*this;
@@ -107,13 +110,17 @@ class StateColumn {
     LargeColumn<T> all(begin(), end());
     f(all);
     const std::size_t n = std::min(size_, all.size());
-    for (std::size_t s = 0; s < n; ++s)  // mostly they are only saved: records that nobody writes to stay in the cache
+    for (std::size_t s = 0; s < n; ++s)  // mostly only saved: unwritten records stay in the cache
       if (std::memcmp(&(*this)[s], &all[s], sizeof(T)) != 0) (*this)[s] = all[s];
   }
 
  private:
   static std::byte* bytes(T* p) { return reinterpret_cast<std::byte*>(p); }
-  void stand_alone() { first_ = bytes(own_.data()), stride_ = sizeof(T), size_ = own_.size(); }
+  void stand_alone() {
+    first_ = bytes(own_.data());
+    stride_ = sizeof(T);
+    size_ = own_.size();
+  }
 
   std::vector<T> own_;
   std::byte* first_ = nullptr;

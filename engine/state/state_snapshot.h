@@ -14,7 +14,7 @@ namespace epafi {
 
 class StateSnapshot {
  public:
-  /// Bytes of a state above which it goes to the file: writing 4 MB takes 1 ms, holding them costs nobody anything.
+  /// Bytes of a state above which it goes to the file: writing 4 MB takes 1 ms, and less is cheap to hold.
   static constexpr std::size_t most_in_memory = std::size_t{4} << 20;
 
   StateSnapshot() = default;

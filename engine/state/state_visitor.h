@@ -1,5 +1,5 @@
 /// @file state_visitor.h  One walk over all state: the same walk saves a checkpoint, loads it, hashes it and counts its
-/// bytes. Whoever owns state offers `void visit(StateVisitor&)`; nobody above the engine knows what the columns mean.
+/// bytes. Every owner of state offers `void visit(StateVisitor&)`; no floor above knows what a column means.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -61,7 +61,7 @@ class StateVisitor {
     bytes_of(name, sizeof(T), sizeof(T));
     exchange(name, sizeof(T), reinterpret_cast<std::byte*>(&v), sizeof(T));
   }
-  /// A column whose rows are somebody's.
+  /// A column whose rows belong to bodies, contacts, ... (RowsOf).
   template <class Column>
   void rows(RowsOf whose, std::string_view name, Column& values) {
     whose_ = whose;
@@ -80,7 +80,7 @@ class StateVisitor {
  protected:
   /// Of the column that is shown now.
   RowsOf whose() const { return whose_; }
-  /// `exchange` looks at the number of bytes only.
+  /// `exchange` uses the number of bytes only.
   virtual bool only_counts() const { return false; }
   /// Bytes the column shall have: `current` when saving, the stored size when loading (a multiple of `element`).
   virtual std::size_t bytes_of(std::string_view name, std::size_t element, std::size_t current) = 0;

@@ -7,7 +7,7 @@ namespace epafi {
 void TouchedBodies::group(const ContactSet& contacts, const World& world) {
   blocks_ = (world.size() + block_size - 1) / block_size;
   const bool held = world.columns().held_force;
-  // A mesh with all of its contacts is one entry. Bodies are asked last: they may be in another thread's cache.
+  // A mesh with all of its contacts is one entry. Bodies are read last: they may be in another thread's cache.
   const auto counts = [&](const auto& side, std::size_t k) {
     return k == 0 || side[k - 1] != side[k] || held || world.is_movable(side[k]);
   };

@@ -1,6 +1,6 @@
-/// @file touched_bodies.h  The bodies that have contacts, where few of many do, each with its contacts. By blocks of
-/// slots, which threads share out as all loops over such blocks do: what a body needs stays with the thread that has
-/// it.
+/// @file touched_bodies.h  The bodies that have contacts, each with its contacts; for scenes in which few bodies do.
+/// Blocks of slots go to the same threads as in all other loops over such blocks, so the data of a body stay in the
+/// cache of one processor.
 #pragma once
 #include <algorithm>
 #include <span>
@@ -31,7 +31,7 @@ class TouchedBodies {
     std::uint64_t key_;
   };
 
-  /// f(body) for each by all threads. Of a body that no force moves or is asked of some of its contacts are left out.
+  /// f(body) for each, on all threads. Contacts of bodies that need no force (fixed, not measured) may be missing.
   template <class F>
   void build(const ContactSet& contacts, const World& world, const F& f) {
     group(contacts, world);

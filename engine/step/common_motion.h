@@ -1,5 +1,5 @@
-/// @file common_motion.h  What bodies have in common of their motion, as it is foreseen: those that fall together stay
-/// together.
+/// @file common_motion.h  The predicted common motion of the bodies: relative to it, bodies that fall together do not
+/// move.
 #pragma once
 #include "engine/state/types.h"
 

@@ -10,7 +10,7 @@
 namespace epafi {
 
 bool is_finite(const World& world, Slot s) {
-  // A sum is finite where all are; an overflow of the sum alone is looked at one by one.
+  // A sum is finite where all are; if only the sum overflows, bodies are tested one by one.
   double sum = world.position[s].sum() + world.velocity[s].sum();
   if (world.rotates()) sum += world.angular_velocity[s].sum();
   if (world.has_orientation()) sum += world.orientation[s].coeffs().sum();

@@ -16,10 +16,10 @@ class Event {
   virtual ~Event() = default;
   /// Acts on the state of time t before the step to t + dt; bodies to be taken out are appended to `leaving`.
   virtual void before_step(World& world, double dt, std::vector<BodyId>& leaving) = 0;
-  /// Asked behind before_step(world, dt): the next call, as long a step later, will change nothing and look at no body.
-  /// A contact model may begin that step before it then.
+  /// Called after before_step(world, dt). True: the next call, after a step as long, neither changes nor reads a body,
+  /// so a contact model may begin that step early.
   virtual bool rests_next(const World& /*world*/, double /*dt*/) const { return false; }
-  /// It asks for no other body than fixed and driven ones, so that every process of a run can do it for itself.
+  /// It reads fixed and driven bodies only, so every process of a run can execute it by itself.
   virtual bool is_local() const { return false; }
   /// A local event that all bodies decide on: every process does `answer` where `asks` is true on some of them.
   virtual bool is_common() const { return false; }
@@ -28,7 +28,7 @@ class Event {
   virtual void visit(StateVisitor&) {}
 };
 
-/// Prescribed motion of a driven body: the sum of a constant velocity, a rotation, an oscillation and a way by a table,
+/// Prescribed motion of a driven body: the sum of a constant velocity, a rotation, an oscillation and a tabulated path,
 /// within [from, until].
 struct Motion {
   Vec3 velocity = Vec3::Zero();          ///< [m/s]

@@ -42,7 +42,7 @@ class MotionTable {
     Vec3 speed(double s) const { return v0 + s * (2.0 * b + s * (3.0 * c)); }
     Vec3 integral(double s) const { return s * (x0 + s * (v0 / 2.0 + s * (b / 3.0 + s * (c / 4.0)))); }
   };
-  /// The way of some rows, and what a baseline looks at.
+  /// The path through some rows, and the quantities that a baseline sets to zero.
   struct Way {
     std::vector<Stretch> stretches;
     Vec3 end = Vec3::Zero(), speed = Vec3::Zero(), mean = Vec3::Zero();  ///< [m], [m/s], [m]

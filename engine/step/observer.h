@@ -1,4 +1,4 @@
-/// @file observer.h  Whoever looks at finished steps: measures, files, ledgers of overlap. Const access only, so output
+/// @file observer.h  Observers of finished steps: measures, files, ledgers of overlap. Const access only, so output
 /// cannot change a trajectory.
 #pragma once
 #include <algorithm>
@@ -27,7 +27,7 @@ struct StepView {
   ContactPieces pieces() const { return {world, contacts, model}; }
 };
 
-/// What an observer looks at of single contacts: nothing, what StepView::pieces says, or all of them in `contacts`.
+/// Which single contacts an observer reads: none, those of StepView::pieces, or all of them in `contacts`.
 enum class ContactView { none, pieces, all };
 
 /// Called when `is_due`; the simulation measures the energies before if `wants_energy`.
@@ -36,17 +36,17 @@ class Observer {
   virtual ~Observer() = default;
   virtual bool is_due(std::uint64_t step) const = 0;
   virtual bool wants_energy(std::uint64_t /*step*/) const { return false; }
-  /// It looks at the bodies in this step; where nobody does the next step may begin before this one is shown.
+  /// It reads the bodies in this step. If no observer does, the next step may begin before this one is shown.
   virtual bool wants_bodies(std::uint64_t step) const { return is_due(step); }
-  /// In this step, the last one of the run where `last`. What nobody looks at need not be written out: a contact model
-  /// that finds contacts of its own shows them piece by piece where that is enough.
+  /// In this step (`last`: the last one of the run). Contacts that no observer reads are not written out: a contact
+  /// model that finds contacts of its own shows them piece by piece where that is enough.
   virtual ContactView wants_contacts(std::uint64_t step, bool last) const {
     return last || is_due(step) ? ContactView::all : ContactView::none;
   }
   virtual void observe(const StepView& view) = 0;
-  /// Between two steps: the bodies from slot `first` on have come in, where they are now.
+  /// Between two steps: the bodies from slot `first` on have entered at their present positions.
   virtual void bodies_come(const World& /*world*/, std::size_t /*first*/) {}
-  /// Between two steps: these bodies are taken out now; they are still there.
+  /// Between two steps, before these bodies are removed.
   virtual void bodies_leave(const World& /*world*/, std::span<const BodyId> /*bodies*/) {}
   virtual void visit(StateVisitor&) {}
 };

@@ -38,8 +38,8 @@ class Scheme : public StepStage {
 
 struct Extent;
 
-/// Leave for the contact model to do the first half of the next step too. Nobody looks at this one: what its contacts
-/// store need not be told.
+/// Permission for the contact model to do the first half of the next step too. No observer reads this step, so the
+/// energy stored in its contacts need not be reported.
 struct RunOn {
   std::function<bool(const Extent&)> agrees;  ///< to where the bodies are in this step
   bool bounded = true;  ///< it will ask where they are in the next one, not only whether somewhere
@@ -56,7 +56,7 @@ struct StepClock {
   double dt = 0.0;  ///< [s]
   double velocity_lag =
       0.0;  ///< world.velocity is that of time + (detection) - lag*dt: 1/2 for velocity Verlet, 0 otherwise
-  Scheme* scheme = nullptr;  ///< whose second half is the contact model's to call; null: somebody else's
+  Scheme* scheme = nullptr;  ///< whose second half the contact model calls; null: the step calls it
   /// Where it is given, all 0 by slot, only the bodies of contacts get their forces, and a 1 here; those of others are
   /// left as they are.
   std::vector<std::uint8_t>* touched = nullptr;
@@ -68,7 +68,7 @@ struct StepClock {
 class BroadPhase : public StepStage {
  public:
   virtual void find_pairs(const World& world, PairList& pairs) = 0;
-  /// Looks at positions only: the list of the last call still holds.
+  /// From positions alone: whether the list of the last call is still valid.
   virtual bool keeps_pairs(const World&) { return false; }
 };
 
@@ -76,7 +76,7 @@ class BroadPhase : public StepStage {
 class NarrowPhase : public StepStage {
  public:
   virtual void collide(const World& world, const PairList& pairs, ContactSet& contacts) = 0;
-  /// Takes out those that the others show to be none; all contacts have been found.
+  /// Removes contacts that neighbouring surfaces rule out; called when all contacts have been found.
   virtual void unite(const World&, ContactSet&) {}
 };
 
@@ -87,26 +87,26 @@ class ContactModel : public StepStage {
   virtual void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) = 0;
   /// Adds the energy stored in the present positions to report.elastic, where no forces are evaluated at the start.
   virtual void store(const World&, StepReport& /*report*/) {}
-  /// Runs the first half of clock.scheme, and in `act` its second, along with its own passes over the bodies: what it
-  /// reads or has written is in cache then. False: it does neither.
+  /// Runs the first half of clock.scheme, and in `act` its second, within its own passes over the bodies, while their
+  /// data are in cache. False: the model does neither.
   virtual bool move(World&, const StepClock&) { return false; }
   /// The first half of the next step is done: of the world only the positions are up to date.
   virtual bool is_ahead() const { return false; }
-  /// What the model has seen of the bodies on its way through the step; null: nothing.
+  /// Extent of the bodies as the model's passes found it; null: not measured.
   virtual const Extent* extent() const { return nullptr; }
   /// Completes the set for observers where the model has found contacts of its own.
   virtual void publish(const World&, ContactSet&) const {}
-  /// Parts of the contacts that the model has found itself and not completed the set with.
+  /// Number of parts of the contacts that the model has found itself and that are not in the set.
   virtual std::size_t own_parts() const { return 0; }
   /// Contacts of a part; all of them touch.
   virtual std::size_t own_count(std::size_t /*part*/) const { return 0; }
-  /// Appends bodies and gaps of a part, in an order that the state alone decides; several threads may ask.
+  /// Appends bodies and gaps of a part, in an order that depends on the state alone; thread-safe.
   virtual void append_gaps(const World&, std::size_t /*part*/, ContactSet& /*gaps*/) const {}
   /// The same with feature, normal, arm and force.
   virtual void append_contacts(const World&, std::size_t /*part*/, ContactSet& /*contacts*/) const {}
 };
 
-/// Holds bodies back from ways that detection at the end of a drift would miss. Only where the scene asks for it.
+/// Stops bodies on paths whose collisions the detection at the end of a drift would miss. Only for `continuous` bodies.
 class MotionGuard : public StepStage {
  public:
   /// Before bodies drift.

@@ -34,12 +34,12 @@ class Simulation {
   double time_step;                     ///< dt [s]
   /// Parts of the time step at this moment, >= 1; empty: one.
   std::function<int(const World&)> parts_of_step;
-  std::unique_ptr<StepWatch> step_watch;  ///< null: nobody asks whether the step is stable
+  std::unique_ptr<StepWatch> step_watch;  ///< null: the stability of the step is not watched
   std::uint64_t sort_interval =
       1000;  ///< steps between Morton sorts; 100-10000 equal within 2 %, never sorting costs 1.25-1.6x
-  /// Steps between looks for bodies outside a domain with `outside = "delete"`, which are taken out then: that lays all
-  /// columns, pairs and springs out anew, as much work as ten steps of 20 000 spheres (20 for 100: half as long again
-  /// in a hopper that flows). The steps of impulses are a hundred times as long as those of forces.
+  /// Steps between removals of bodies outside a domain with `outside = "delete"`. A removal rearranges all columns,
+  /// pairs and springs, as much work as ten steps of 20 000 spheres (an interval of 20 costs 1.5 times in a hopper that
+  /// flows). Steps of impulses are a hundred times as long as those of forces.
   std::uint64_t outlet_interval() const { return pipeline.scheme->needs_initial_forces() ? 100 : 20; }
 
   std::uint64_t steps() const { return steps_; }
@@ -58,7 +58,10 @@ class Simulation {
   };
   void enter(const Entry& entry);
   /// Steps made, and those that another simulation made before: sorts go on in their rhythm.
-  void continue_at(std::uint64_t steps, std::uint64_t before) { steps_ = steps, before_ = before; }
+  void continue_at(std::uint64_t steps, std::uint64_t before) {
+    steps_ = steps;
+    before_ = before;
+  }
   std::uint64_t steps_before() const { return before_; }
   /// To be taken out before the next step.
   const std::vector<BodyId>& leaving() const { return leaving_; }
@@ -66,14 +69,14 @@ class Simulation {
   /// Bodies that another simulation has taken out.
   void add_removed(std::uint64_t bodies) { removed_ += bodies; }
   /// One step with everything around it. A failure leaves the run as it is: the caller saves and stops.
-  /// run_on: nobody but the observers looks at the bodies before the next call, which has the same time step: the
-  /// contact model may do its first half at once (10 of 57 ns of a sphere in a bed).
+  /// run_on: only observers read the bodies before the next call, which has the same time step: the contact model may
+  /// do its first half at once (saves 10 of 57 ns of a sphere in a bed).
   std::optional<Failure> advance(bool last = false, bool run_on = false);
-  /// The energy as the ledger last had it is no finite number, though every velocity may be one.
+  /// The last energy of the ledger is not finite (velocities may be).
   std::optional<Failure> look_at_energy();
-  /// The last call has begun the next step: bodies are not to be looked at.
+  /// The last call has begun the next step: bodies must not be read.
   bool is_ahead() const { return pipeline.contact_model->is_ahead(); }
-  /// Where steps are remote the present state comes here: before somebody looks at bodies.
+  /// With several processes: fetches the present state. To be called before bodies are read.
   void come_home();
   /// Shows one observer the present state, due or not.
   void show(Observer& observer);

@@ -1,6 +1,6 @@
-/// @file step_watch.h  Looks now and then at how stiff the contacts are, and divides the time step or stops the run
-/// where the present state makes it unstable. What it decides depends on the state alone: the same for every number of
-/// threads and after a restart, which it is shown for.
+/// @file step_watch.h  Measures the stiffness of the contacts at intervals, and divides the time step or stops the run
+/// where the present state makes the step unstable. Its decision depends on the state alone: it is the same for every
+/// number of threads and after a restart (`visit`).
 #pragma once
 #include <optional>
 
@@ -12,7 +12,7 @@ namespace epafi {
 class StepWatch {
  public:
   virtual ~StepWatch() = default;
-  /// After this step it looks at the contacts, piece by piece.
+  /// After this step it reads the contacts, piece by piece.
   virtual bool is_due(std::uint64_t step) const = 0;
   /// After every step, cheap: `deepest` is its largest overlap [m].
   virtual void note(std::uint64_t step, double deepest) = 0;

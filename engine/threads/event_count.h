@@ -6,8 +6,8 @@
 
 namespace epafi {
 
-/// Polls before a thread that waits for the next loop sleeps: about half a millisecond, little where there are more
-/// threads than processors (a waiting thread then keeps the one it waits for from running).
+/// Polls before a thread that waits for the next loop sleeps: about half a millisecond; few with more threads than
+/// processors, since a polling thread then keeps the awaited one from running.
 inline constexpr int spin_limit(bool more_threads_than_processors) {
   return more_threads_than_processors ? 100 : 10'000;
 }
@@ -23,7 +23,7 @@ class EventCount {
       if (ready()) return true;
       pause();
     }
-    waiting_.fetch_add(1);  // whoever writes after the next look at ready() sees it
+    waiting_.fetch_add(1);  // seen by every thread that writes after the next call of ready()
     bool is_ready = false;
     for (;;) {
       const std::uint32_t calls = calls_.load();
@@ -34,7 +34,7 @@ class EventCount {
     waiting_.fetch_sub(1);
     return is_ready;
   }
-  /// By the thread that has written what ready() reads.
+  /// Called by the thread that has written what ready() reads.
   void wake() {
     if (waiting_.load() > 0) wake_all();
   }

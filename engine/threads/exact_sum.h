@@ -1,4 +1,4 @@
-/// @file exact_sum.h  A sum of doubles that is rounded once, when it is asked for (Neal 2015, small superaccumulator):
+/// @file exact_sum.h  A sum of doubles that is rounded once, when it is read (Neal 2015, small superaccumulator):
 /// its value depends on the terms alone, not on their order. 560 bytes, about 7 ns a term; many terms of one size are
 /// summed in a tenth of that by engine/threads/order_free_sum.h. Limit: 2^62 terms.
 #pragma once

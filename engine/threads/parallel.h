@@ -32,7 +32,7 @@ inline std::vector<int> bound_processors() {
   return all;
 }
 
-/// Of the calling thread, below thread_count(); 0 outside loops.
+/// Number of the calling thread, below thread_count(); 0 outside loops.
 inline std::size_t thread_number() { return static_cast<std::size_t>(omp_get_thread_num()); }
 
 /// body(), all loops of it by threads that stay together (engine/threads/thread_team.h); what it throws is thrown here.
@@ -55,8 +55,8 @@ inline std::size_t team_size() {
   return team ? team->size() : static_cast<std::size_t>(thread_count());
 }
 
-/// f(member) by team_size() threads at once. One that comes when the others have done all work is left out, so f shares
-/// work out by itself and leaves none to a member that has not begun.
+/// Runs f(member) on team_size() threads at once. A thread that arrives after all work is done is left out, so f must
+/// share out its work by itself and leave none to a member that has not begun.
 template <class F>
 void parallel_team(const F& f) {
   if (ThreadTeam* const team = ThreadTeam::idle()) return team->run(f);
@@ -73,20 +73,20 @@ std::vector<T>& block_results(std::size_t blocks, T start) {
   return kept;
 }
 
-/// In a cache line of its own. No first value: 256 of them stand before every short loop.
+/// In a cache line of its own. Uninitialised: zeroing 256 of them would dominate short loops.
 struct alignas(64) Counter {
   std::size_t value;
 };
 
-/// Pieces [0, n), n below 2^31, shared out over threads: each has a run of neighbours, the same in every loop over as
-/// many, so that what it wrote is near it, and goes through it from the front. Who is through helps the others from
-/// their backs: a core slower than others gives away the same pieces in every loop, and they stay near the one that
-/// helps. (Taken from the front, where the slower one happens to be, they moved to and fro: contacts of 20 000 spheres
-/// in free fall, two threads, one core at two thirds of the other's speed, 0.152 s, so 0.135.) Of a run whose thread
-/// has not come, helpers take the front: a piece never waits for earlier ones that nobody is at.
+/// Pieces [0, n), n below 2^31, shared out over threads. Each thread owns a run of neighbouring pieces, the same in all
+/// loops of this length, so its data stay in its cache, and works from the front. An idle thread steals from the back
+/// of other runs: a slow core then loses the same pieces in every loop, and they stay in the cache of the thief. (From
+/// the front they move to and fro: contacts of 20 000 spheres in free fall, two threads, one core at two thirds of the
+/// other's speed, 0.152 s, from the back 0.135.) If the owner of a run has not arrived, thieves take its front: a piece
+/// never waits for earlier ones that no thread works on.
 class WorkRanges {
  public:
-  /// left: one for each run, of whoever calls; they outlive this.
+  /// left: one for each run, owned by the caller; they outlive this.
   WorkRanges(std::size_t n, std::span<Counter> left) : n_(n), left_(left) {}
   void start() const {
     for (std::size_t p = 0; p < left_.size(); ++p)
@@ -104,14 +104,14 @@ class WorkRanges {
     }
     for (std::size_t k = 1; k < left_.size(); ++k) help(left_[(thread + k) % left_.size()], f);
   }
-  /// The piece of its own run that the calling thread takes next, unless a helper is quicker; n where none is left.
+  /// The piece of its own run that the calling thread takes next, unless a thief is faster; n where none is left.
   std::size_t next_own(std::size_t thread) const {
     const std::size_t left = std::atomic_ref(left_[thread % left_.size()].value).load(std::memory_order_relaxed);
     return front(left) < back(left) ? front(left) : n_;
   }
 
  private:
-  // What nobody has taken yet of a run: its first piece in the lower half, its end in the upper one below the last bit.
+  // Untaken pieces of a run: the first in the lower half, the end in the upper half below the last bit.
   static constexpr std::size_t has_come = std::size_t{1} << 63, one_at_the_back = std::size_t{1} << 32;
   static std::size_t front(std::size_t left) { return left & 0xffffffff; }
   static std::size_t back(std::size_t left) { return (left & ~has_come) >> 32; }

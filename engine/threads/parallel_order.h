@@ -9,12 +9,12 @@
 
 namespace epafi {
 
-/// Elements that are worth a fork: 16 kB of them.
+/// Least number of elements that pays for a fork: 16 kB of them.
 template <class Column>
 inline constexpr std::size_t fill_grain = std::max<std::size_t>(64, 16384 / sizeof(typename Column::value_type));
 
-/// `size` elements, each to be written before it is read: those that were there do not move where the column must grow,
-/// and it grows by a quarter more than asked for, which takes no memory before it is written.
+/// Sets the size; every element must be written before it is read, since a column that grows does not copy the old
+/// ones. It reserves a quarter more, which takes no memory before it is written.
 template <class T>
 void renew(std::vector<T>& column, std::size_t size) {
   if (size > column.capacity()) {
@@ -63,7 +63,7 @@ inline void running_sums(std::span<std::uint32_t> v) {
   });
 }
 
-/// make(i) of all i in [0, n) with is(i), ascending; is is asked twice.
+/// make(i) of all i in [0, n) with is(i), ascending; is(i) is called twice.
 template <class Is, class Make, class Column>
 void parallel_select(std::size_t n, const Is& is, const Make& make, Column& out) {
   constexpr std::size_t size = 4096;

@@ -1,4 +1,4 @@
-/// @file parallel_stages.h  Loops one after the other over the same things, where each thread keeps its part near.
+/// @file parallel_stages.h  Successive loops over the same items, in which each thread keeps its part in cache.
 #pragma once
 #include <atomic>
 #include <span>
@@ -8,11 +8,11 @@
 namespace epafi {
 
 namespace parallel_detail {
-/// Of who waits for a piece that another is at, before it sleeps: tens of microseconds. Beside other programs the
-/// thread that is waited for may want this core.
+/// Polls of a thread that waits for another one's piece, before it sleeps: tens of microseconds. On a loaded machine
+/// the awaited thread may need this core.
 inline constexpr int polls_for_piece = 800;
 
-/// part(), by one of the threads that wait for each other in a loop: where it throws, they do not wait any more.
+/// Runs part() on one of several threads that wait for each other; if it throws, the others stop waiting.
 template <class F>
 void wait_together(EventCount& event, const F& part) {
   try {
@@ -24,9 +24,9 @@ void wait_together(EventCount& event, const F& part) {
 }
 }  // namespace parallel_detail
 
-/// f(stage, begin, end) for pieces of [0, size(stage)), of piece(stage) >= 1 items each; none of a stage before all of
-/// the one before are done. Shared out in runs (engine/threads/parallel.h): a thread that comes late keeps nobody
-/// waiting. One fork for all stages; `pays`: worth it.
+/// Calls f(stage, begin, end) for pieces of [0, size(stage)), of piece(stage) >= 1 items each. A stage begins when the
+/// one before is complete. Pieces are shared out in runs (engine/threads/parallel.h), so a late thread delays no other.
+/// One fork serves all stages. pays: whether a fork is worth its cost.
 template <class Size, class Piece, class F>
 void parallel_stages(std::size_t stages, bool pays, const Size& size, const Piece& piece, const F& f) {
   const auto pieces = [&](std::size_t s) { return (size(s) + piece(s) - 1) / piece(s); };
@@ -49,7 +49,10 @@ void parallel_stages(std::size_t stages, bool pays, const Size& size, const Piec
     for (std::size_t s = 0; s < stages; ++s) {
       if (s > 0 && !event.wait_until([&] { return all_done(s - 1); }, parallel_detail::polls_for_piece)) return;
       std::size_t mine = 0;  // counted once: each count of a piece would fetch the line from the other cores
-      runs(s).each(thread, [&](std::size_t i) { f(s, i * piece(s), std::min(size(s), (i + 1) * piece(s))), ++mine; });
+      runs(s).each(thread, [&](std::size_t i) {
+        f(s, i * piece(s), std::min(size(s), (i + 1) * piece(s)));
+        ++mine;
+      });
       if (mine > 0 && std::atomic_ref(done[s].value).fetch_add(mine) + mine == pieces(s)) event.wake();
     }
   };

@@ -1,4 +1,4 @@
-/// @file parallel_wavefront.h  Parts that leave something to later ones and are finished while they are near.
+/// @file parallel_wavefront.h  Two passes over parts with dependences between them, the second while data are in cache.
 #pragma once
 #include <cstdint>
 #include <numeric>
@@ -9,7 +9,7 @@
 namespace epafi {
 
 namespace parallel_detail {
-/// Parts that one thread has found and not finished, each with its tray.
+/// Parts that one thread has found and not finished, each with the number of its accumulator ("tray").
 class Waiting {
  public:
   Waiting(std::size_t first, std::size_t trays) : free_(kept_free()), parts_(kept_parts()) {
@@ -19,10 +19,13 @@ class Waiting {
   }
   std::size_t size() const { return parts_.size(); }
   std::size_t tray() const { return free_.back(); }
-  void add(std::size_t part) { parts_.push_back({part, tray(), 0}), free_.pop_back(); }
+  void add(std::size_t part) {
+    parts_.push_back({part, tray(), 0});
+    free_.pop_back();
+  }
 
-  /// finish(part, tray) for those that are ready(part, seen), which keeps in `seen` what it need not look at again;
-  /// whether there were any.
+  /// Calls finish(part, tray) for the parts that are ready(part, seen); returns whether there were any. `seen` keeps
+  /// the number of sources that are known to be found.
   template <class Ready, class Finish>
   bool finish_ready(const Ready& ready, const Finish& finish) {
     const std::size_t before = size();
@@ -51,9 +54,9 @@ class Waiting {
   std::vector<Part>& parts_;
 };
 
-/// Which of n parts, shared out in runs, are found. What a thread tells is in cache lines of its own run and its own
-/// count, and whoever waits looks at them all. (One count and flags side by side went from core to core with every
-/// part.)
+/// Which of n parts, shared out in runs, are found. Each thread writes flags and a count in cache lines of its own, and
+/// a waiting thread reads those of all. (One common count and adjacent flags would move a cache line between cores with
+/// every part.)
 class Finds {
  public:
   Finds(std::size_t n, std::size_t runs)
@@ -92,8 +95,8 @@ class Finds {
 };
 }  // namespace parallel_detail
 
-/// The order in which the parts of each run are best found by so many threads: first those that parts of other runs
-/// wait for, last those that wait for parts of other runs. sources: as below.
+/// Best order in which `threads` threads find the parts of their runs: first the parts that other runs depend on, last
+/// the parts that depend on other runs. sources: as below.
 template <class Sources>
 void order_wavefront(std::size_t n, std::size_t threads, const Sources& sources, std::vector<std::uint32_t>& order) {
   enum : unsigned char { waited_for, neither, waits };
@@ -117,13 +120,13 @@ void order_wavefront(std::size_t n, std::size_t threads, const Sources& sources,
   });
 }
 
-/// find(i, tray) for i in [0, n), and finish(i, tray, next) by the same thread once find(k) is done for all k in
-/// sources(i), which are below i; next: the part of its run that it finds next, to be asked for; i where none is left.
-/// Shared out in runs; a part whose sources are not found yet keeps its tray while the thread goes on: it has `trays`
-/// of them, those of thread t from t * trays on. order: of the parts of each run; ascending where it is empty, or a run
-/// has more parts than `trays` (a thread with all of them in use would wait for what nobody takes). (Parts in turns, to
-/// whoever comes first, send most of what they leave to the other thread: contacts of a bed of 100 000 had 1.53x of two
-/// threads, in runs 1.92x.)
+/// Calls find(i, tray) for i in [0, n), and on the same thread finish(i, tray, next) once find(k) is done for all k in
+/// sources(i), which are below i. next: the part that the thread finds next, for prefetching; i where none is left.
+/// Parts are shared out in runs. A part that waits for its sources keeps its accumulator (tray) while the thread goes
+/// on; thread t has `trays` of them, from t * trays on. order: of the parts of each run; ascending if it is empty or a
+/// run has more parts than `trays` (a thread with all trays in use could wait for a part that no thread takes).
+/// (Dealing parts to whichever thread is free sends most of their output to the other one: contacts of a bed of 100 000
+/// gained 1.53x on two threads, in runs 1.92x.)
 template <class Sources, class Find, class Finish>
 void parallel_wavefront(std::size_t n, std::size_t trays, std::span<const std::uint32_t> order, const Sources& sources,
                         const Find& find, const Finish& finish) {

@@ -1,7 +1,7 @@
-/// @file thread_team.h  Threads that stay together from loop to loop within one parallel region. A loop is handed out
-/// by one word and ends when its work is done: a thread that has not come by then is not waited for, and one that other
-/// programs keep from running rests for a while (engine/threads/preemption.h). An empty parallel region of libgomp
-/// takes 4 us, a loop of a team 2.
+/// @file thread_team.h  Threads that stay together from loop to loop within one parallel region. One atomic word starts
+/// a loop, and it ends when its work is done: it does not wait for threads that have not arrived. A thread that other
+/// programs preempt pauses for a while (engine/threads/preemption.h). An empty parallel region of libgomp takes 4 us, a
+/// loop of a team 2.
 /// @code
 ///   with_team([&] {                                  // engine/threads/parallel.h: starts the threads once
 ///     for (int k = 0; k < steps; ++k)
@@ -95,7 +95,7 @@ class ThreadTeam {
   using Clock = std::chrono::steady_clock;
   using Loop = void (*)(const void*, std::size_t);
   static double now() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
-  static constexpr double long_loop = 3e-4;  ///< in which a preemption is asked for, a call of 0.3 us [s]
+  static constexpr double long_loop = 3e-4;  ///< after which preemption is queried, a call of 0.3 us [s]
 
   struct Member {
     alignas(64) std::atomic<std::uint32_t> state{0};  ///< 2 k: through with loop k, or came too late; 2 k + 1: in it

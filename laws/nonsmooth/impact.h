@@ -8,7 +8,7 @@
 ///               (impact_balance.h).
 ///               Limits: the solver's tolerance times the energy; with friction, a slip that turns round within a step
 ///               at a contact that opens slowly gives back less than 1e-3 m (|g| dt)^2.
-///   newton      the same without a look at energy: gains some with friction and rotation (Kane's paradox), where e
+///   newton      the same without regard to energy: gains some with friction and rotation (Kane's paradox), where e
 ///               differs from contact to contact, and where a contact that opens is struck from elsewhere.
 ///
 /// The next two act once in a step in which some contact closes faster than the threshold (and any has e > 0); the

@@ -45,8 +45,10 @@ void LaneGroups::form(const Coloring& coloring, Slot none) {
   else  // the first colours are the largest
     parallel_blocks(colors, 1, [&](std::size_t c, std::size_t, std::size_t) { form_color(coloring, c, none); });
   running_sums(row_end_);
-  parallel_for(groups_.size(),
-               [&](std::size_t g) { groups_[g].begin = g > 0 ? row_end_[g - 1] : 0, groups_[g].end = row_end_[g]; });
+  parallel_for(groups_.size(), [&](std::size_t g) {
+    groups_[g].begin = g > 0 ? row_end_[g - 1] : 0;
+    groups_[g].end = row_end_[g];
+  });
 }
 
 void LaneGroups::find_stages(const Coloring& coloring) {

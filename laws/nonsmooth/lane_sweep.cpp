@@ -182,7 +182,11 @@ struct ColorTask {
   }
 };
 
-void set(Lanes3& to, std::size_t lane, const Vec3& x) { to.x[lane] = x.x(), to.y[lane] = x.y(), to.z[lane] = x.z(); }
+void set(Lanes3& to, std::size_t lane, const Vec3& x) {
+  to.x[lane] = x.x();
+  to.y[lane] = x.y();
+  to.z[lane] = x.z();
+}
 
 template <class Row, class Rule>
 void load_lane(const ContactProblem& problem, std::size_t i, double offset, const Vec3* lag, const Vec3& r,

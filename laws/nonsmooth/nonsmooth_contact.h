@@ -60,7 +60,7 @@ Needs nonsmooth_needs(const NonsmoothSetup& setup);
 
 /// Throws SceneError for an unknown solver, naming those that exist.
 std::unique_ptr<ContactModel> make_nonsmooth_contact(const NonsmoothSetup& setup);
-/// With a solver of the caller's own; setup.solver is not looked at.
+/// With a solver of the caller's own; setup.solver is ignored.
 std::unique_ptr<ContactModel> make_nonsmooth_contact(const NonsmoothSetup& setup, const SolverEntry& solver);
 
 /// The wall becomes a body of the problems of this non-smooth model. Worlds with such walls rotate.

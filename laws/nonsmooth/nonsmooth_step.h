@@ -35,7 +35,10 @@ class NonsmoothContact final : public ContactModel {
 
   const char* name() const override { return name_.c_str(); }
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override;
-  void reorder(const Reordering& change) override { memory_.reorder(change), solver_->forget(); }
+  void reorder(const Reordering& change) override {
+    memory_.reorder(change);
+    solver_->forget();
+  }
   void visit(StateVisitor& visitor) override {
     memory_.visit(visitor);
     driven_.visit(visitor);

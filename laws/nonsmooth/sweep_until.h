@@ -13,7 +13,7 @@ struct SweepLimits {
 };
 
 /// scale: of the change of r in a sweep that is as small as the tolerance, over it. `sweep` returns the squared change,
-/// `measure` the residual, `norm` ||r||; `stop` is asked now and then.
+/// `measure` the residual, `norm` ||r||; `stop` is called at intervals.
 template <class Run, class Measure, class Norm, class Stop>
 SolverReport sweep_until(const SweepLimits& limits, double scale, const Run& sweep, const Measure& measure,
                          const Norm& norm, const Stop& stop) {

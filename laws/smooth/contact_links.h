@@ -1,6 +1,6 @@
-/// @file contact_links.h  How stiff and how damped smooth contacts are at this moment: what engine/step/stiffest_mode.h
-/// needs of them. Stiffness and dashpot are those of the law at the present overlap; a law that remembers is asked for
-/// the way out, which is the stiffer one. Friction counts as sticking: a contact at its limit may stick in the next
+/// @file contact_links.h  Present stiffness and damping of smooth contacts, for engine/step/stiffest_mode.h.
+/// Both are those of the law at the present overlap; of a law with memory those of unloading, which is stiffer.
+/// Friction counts as sticking, since a contact at its limit may stick in the next
 /// step.
 #pragma once
 #include <functional>

@@ -1,6 +1,6 @@
 /// @file hunt_crossley.h  Hertz with damping proportional to the elastic force (Hunt and Crossley 1975), and its
 /// family: published factors that answer the same force differently. The force starts and ends at zero without a jump.
-/// Restitution falls with the impact speed: what is asked for comes out at `reference_speed`, more below, less above.
+/// Restitution falls with the impact speed: the given value holds at `reference_speed`, more below, less above.
 /// Only "hunt-crossley" inverts the exact relation; the others are approximations kept for comparison: they return
 /// their own restitution (hunt_crossley_restitution), said by `check`.
 #pragma once

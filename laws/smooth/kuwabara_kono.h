@@ -1,6 +1,6 @@
 /// @file kuwabara_kono.h  Viscoelastic spheres (Kuwabara and Kono 1987; Brilliantov, Spahn, Hertzsch and Poeschel
 /// 1996). Damping follows from the material: restitution is 1 for slow impacts and falls with v^(1/5) (case A07). The
-/// scene's `restitution` is not used; the relaxation time is asked for instead.
+/// scene's `restitution` is not used; the relaxation time is required instead.
 #pragma once
 #include "laws/smooth/hertz.h"
 

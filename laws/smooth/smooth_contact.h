@@ -43,13 +43,16 @@ struct SmoothSums {
 /// Change of the velocities between the middle of the step and the detection, by slot.
 struct VelocityChange {
   std::vector<Vec3> linear, angular;
-  /// time: lag dt, by which the stored acceleration is taken; 0: nobody asks.
+  /// time: lag dt, by which the stored acceleration is taken; 0: not needed.
   void predict(const World& world, double time);
   /// Only of the bodies that have contacts, which are found here.
   void predict(const World& world, const ContactSet& contacts, TouchedBodies& touched, double time);
 
  private:
-  void resize(const World& world) { linear.resize(world.size()), angular.resize(world.rotates() ? world.size() : 0); }
+  void resize(const World& world) {
+    linear.resize(world.size());
+    angular.resize(world.rotates() ? world.size() : 0);
+  }
   void of(const World& world, Slot body, double time);
 };
 

@@ -108,8 +108,8 @@ std::string time_text(const ForetoldTime& time, double present) {
       time.total(), time.steps, time.output, clock_text(time.total() / thread_count()), thread_count());
 }
 
-/// The first steps, made here. What the later ones cost is told by the second half of them: the very first still ask
-/// for memory.
+/// Makes the first steps. The second half of them gives the cost of later ones, since the very first still allocate
+/// memory.
 std::optional<Failure> time_steps(Simulation& sim, std::uint64_t last, FirstSteps& first) {
   constexpr std::uint64_t most = 3000;
   constexpr double enough = 0.5;  // [s]
@@ -142,7 +142,7 @@ double height_of_bodies(const World& w) {
   return high > low ? high - low : 0.0;
 }
 
-/// Of the run, before its first steps; what is loose is told after them.
+/// Of the run, before its first steps; loose bodies are reported after them.
 RunCounts counts_of(const Assembly& a, double bodies, bool polyhedra) {
   RunCounts run;
   const double duration = static_cast<double>(a.steps) * a.time_step.value;

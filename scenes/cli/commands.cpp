@@ -146,7 +146,7 @@ void note_thinned(const Assembly& assembly) {
                       m.name, apart, static_cast<double>(apart) * assembly.time_step.value));
 }
 
-/// What nobody caught, or what cannot travel (inside a parallel loop), ends here: a message, no abort. Checkpoints
+/// Exceptions that nothing caught, or that cannot leave a parallel loop, end here: a message, no abort. Checkpoints
 /// stand, they are written aside and renamed.
 [[noreturn]] void give_up() {
   try {

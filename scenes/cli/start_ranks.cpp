@@ -41,7 +41,7 @@ class QuietRank {
   std::FILE* kept_;
 };
 
-/// Threads of all ranks of this machine together: its cores, unless somebody says how many.
+/// Threads of all ranks of this machine together: its cores, unless options say how many.
 void share_threads() {
   if (std::getenv("OMP_NUM_THREADS") != nullptr) return;
   const char* const here = std::getenv("OMPI_COMM_WORLD_LOCAL_SIZE");

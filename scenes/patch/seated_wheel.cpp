@@ -7,7 +7,7 @@ namespace epafi {
 namespace {
 
 constexpr double reach = 1e-3;    // vertical gap beyond which no load of a railway closes a second region [m]
-constexpr double deepest = 1e-3;  // gap beyond which no model looks at any load of a railway [m]
+constexpr double deepest = 1e-3;  // gap beyond the reach of all models and loads of a railway [m]
 constexpr double profile_step = 0.2e-3, half_profile = 16e-3, farthest_joined = 40e-3;  // [m]
 constexpr double together = 14e-3, alike = 0.3;  // regions within one profile: distance [m], difference of angle [rad]
 

@@ -1,4 +1,4 @@
-/// @file fields.h  Short ways to write the fields of scene tables.
+/// @file fields.h  Short notation for the fields of scene tables.
 #pragma once
 #include <string>
 #include <utility>

@@ -1,5 +1,5 @@
-/// @file file_kind.h  Scenes, patch cases and studies are all TOML: who gives a command one of another kind is told so,
-/// once, and which command takes it, instead of every key that is unknown there.
+/// @file file_kind.h  Scenes, patch cases and studies are all TOML. A command that is given another kind says so once,
+/// with the command that takes it, instead of listing every unknown key.
 #pragma once
 #include "scenes/reader/table_reader.h"
 

@@ -31,7 +31,7 @@ class RowFile {
   bool open();
   const std::vector<Column>& columns() const { return columns_; }
   bool has_column(const std::string& name) const;
-  /// The cells of the next row, one a column. False at the end, or after an error, which is told.
+  /// The cells of the next row, one a column. False at the end, or after an error, which is reported.
   bool next(std::vector<Cell>& cells);
   /// How many rows there may be from here on.
   std::size_t rows_ahead();

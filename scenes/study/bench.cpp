@@ -75,7 +75,10 @@ struct Size {
     std::vector<Case> copies;
     for (int k = 0; k < n; ++k) copies.push_back({cases[0].overrides, setup.folder / fmt::format("copy_{}", k)});
     double speed = 0.0;
-    const auto add = [&](std::size_t, const CaseResult& r) { require_result(r), speed += ns / ns_of(r); };
+    const auto add = [&](std::size_t, const CaseResult& r) {
+      require_result(r);
+      speed += ns / ns_of(r);
+    };
     if (!run_cases(setup.scene, copies, {setup.program, 1, 0.0, true}, n, add))
       throw SceneError(setup.scene + " was interrupted");
     return speed;
@@ -98,7 +101,7 @@ struct Size {
   }
 };
 
-/// What the machine itself gives, looked at after every round: what others leave of a shared one changes by the minute.
+/// Speed of the machine, measured after every round: the load of a shared one changes by the minute.
 class Machine {
  public:
   /// Nothing where there is no one thread to compare with.

@@ -32,7 +32,7 @@ std::vector<std::string> arguments(const std::string& scene, const Case& wanted,
   return args;
 }
 
-/// Every case leaves its log: what has none is somebody else's.
+/// Every case leaves its log: a folder without one is not ours.
 bool is_case(const fs::path& folder) { return fs::is_regular_file(folder / "log.txt"); }
 
 pid_t start(const std::string& scene, const Case& wanted, const CaseLimits& limits) {

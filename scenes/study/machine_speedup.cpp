@@ -62,7 +62,10 @@ double round_trip() try {
         word.store(2 * k + 2, std::memory_order_release);
       }
     });
-    const auto there_and_back = [&](int k) { word.store(2 * k + 1, std::memory_order_release), wait_for(2 * k + 2); };
+    const auto there_and_back = [&](int k) {
+      word.store(2 * k + 1, std::memory_order_release);
+      wait_for(2 * k + 2);
+    };
     there_and_back(0);  // it has started then
     best = std::min(best, seconds([&] {
                       for (int k = 1; k < trips; ++k) there_and_back(k);

@@ -8,7 +8,7 @@
 
 namespace epafi {
 
-/// Slurm's own limit, MaxArraySize, is 1001 where nobody has changed it: array numbers end at 1000.
+/// Slurm's own limit, MaxArraySize, is 1001 by default: array numbers end at 1000.
 inline constexpr std::size_t most_array_tasks = 1000;
 
 struct SlurmJob {

@@ -15,7 +15,11 @@ struct State {
   std::vector<std::uint32_t> second;
   double value = 0.0;
   auto walk() {
-    return [this](StateVisitor& v) { v.column("first", first), v.column("second", second), v.value("value", value); };
+    return [this](StateVisitor& v) {
+      v.column("first", first);
+      v.column("second", second);
+      v.value("value", value);
+    };
   }
 };
 

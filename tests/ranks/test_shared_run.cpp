@@ -196,7 +196,10 @@ Outcome run(Simulation& sim, int steps) {
 class Sharing final : public RemoteSteps {
  public:
   Sharing(Part& part, int& fetched) : part_(part), fetched_(fetched) {}
-  void send(Simulation& whole) override { order(0), part_.receive(&whole); }
+  void send(Simulation& whole) override {
+    order(0);
+    part_.receive(&whole);
+  }
   void fetch(Simulation& whole) override {
     ++fetched_;
     order(1);

@@ -62,7 +62,10 @@ class RigidExperiment {
                                           .mass = m,
                                           .inertia = m / 3.0 * Vec3(s.y() + s.z(), s.x() + s.z(), s.x() + s.y())});
   }
-  void fix(Slot s) { world.inverse_mass[s] = 0.0, world.inverse_inertia[s].setZero(); }
+  void fix(Slot s) {
+    world.inverse_mass[s] = 0.0;
+    world.inverse_inertia[s].setZero();
+  }
 
   void run(int steps) {
     if (!pipeline.scheme) build();

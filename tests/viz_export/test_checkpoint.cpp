@@ -64,7 +64,10 @@ TEST_CASE("a loaded checkpoint gives the saved bits and header, into a world of 
   const auto path = folder / "checkpoint.h5";
   World saved = some_world(1, 50), loaded = some_world(2, 3);
   std::vector<std::uint64_t> empty, loaded_empty(4);
-  save_checkpoint(path, header, [&](StateVisitor& v) { saved.visit(v), v.column("extra/empty", empty); });
+  save_checkpoint(path, header, [&](StateVisitor& v) {
+    saved.visit(v);
+    v.column("extra/empty", empty);
+  });
   const CheckpointHeader h = load_checkpoint(path, expected, [&](StateVisitor& v) {
     // the order of the walk does not matter
     v.column("extra/empty", loaded_empty);
@@ -112,15 +115,24 @@ TEST_CASE("columns that the simulation lacks or has beside the stored ones are n
   const auto path = folder / "checkpoint.h5";
   World world = some_world(1, 5);
   std::vector<double> springs(7);
-  save_checkpoint(path, header, [&](StateVisitor& v) { world.visit(v), v.column("law/springs", springs); });
+  save_checkpoint(path, header, [&](StateVisitor& v) {
+    world.visit(v);
+    v.column("law/springs", springs);
+  });
   CHECK_THAT(message_of(path), Contains("'law/springs' is not a part of this simulation"));
   save_checkpoint(path, header, walk_of(world));
-  const auto with_springs = [&](StateVisitor& v) { world.visit(v), v.column("law/springs", springs); };
+  const auto with_springs = [&](StateVisitor& v) {
+    world.visit(v);
+    v.column("law/springs", springs);
+  };
   CHECK_THROWS_WITH(load_checkpoint(path, expected, with_springs), Contains("'law/springs' is missing"));
   std::vector<float> narrow(5);
   const auto other_size = [&](StateVisitor& v) { v.column("world/inverse_mass", narrow); };
   CHECK_THROWS_WITH(load_checkpoint(path, expected, other_size), Contains("'world/inverse_mass'") && Contains("size"));
-  const auto twice = [&](StateVisitor& v) { world.visit(v), world.visit(v); };
+  const auto twice = [&](StateVisitor& v) {
+    world.visit(v);
+    world.visit(v);
+  };
   CHECK_THROWS_WITH(load_checkpoint(path, expected, twice), Contains("twice"));
 }
 
@@ -159,7 +171,10 @@ TEST_CASE("a save that fails leaves the checkpoint of before", "[viz_export][che
   World world = some_world(1, 5);
   save_checkpoint(path, header, walk_of(world));
   const std::string before = read_whole_file(path);
-  const auto failing = [&](StateVisitor& v) { world.visit(v), world.visit(v); };  // the same columns twice
+  const auto failing = [&](StateVisitor& v) {
+    world.visit(v);
+    world.visit(v);
+  };  // the same columns twice
   CHECK_THROWS_WITH(save_checkpoint(path, header, failing), Contains("world/time"));
   CHECK(read_whole_file(path) == before);
   CHECK_FALSE(std::filesystem::exists(path.string() + ".part"));

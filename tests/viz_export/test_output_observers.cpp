@@ -60,7 +60,11 @@ struct Recording {
     }
   }
   StateWalk walk() {
-    return [this](StateVisitor& v) { scene.world.visit(v), measure.visit(v), state.visit(v); };
+    return [this](StateVisitor& v) {
+      scene.world.visit(v);
+      measure.visit(v);
+      state.visit(v);
+    };
   }
 };
 

@@ -43,11 +43,11 @@ class SurfaceCache {
   std::map<std::uint32_t, std::unique_ptr<Surface>> made_;
 };
 
-/// Bodies in the order of their ids, each value fetched when it is asked for: records of all take 152 bytes a body.
+/// Bodies in the order of their ids, each value fetched on access: records of all would take 152 bytes a body.
 class BodyList {
  public:
   BodyList(const World& world, SurfaceCache& surfaces);
-  /// Of records that somebody keeps meanwhile.
+  /// Of records that the caller keeps alive.
   BodyList(const std::vector<BodyRecord>& records);
   /// Those of this list at `places`, ascending.
   BodyList only(UnwrittenColumn<Slot> places) const;

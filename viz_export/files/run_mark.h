@@ -15,7 +15,7 @@ namespace epafi {
 enum class RunLife {
   running,  ///< a program writes into the folder
   over,     ///< it ended and wrote summary.json
-  cut       ///< nobody writes, and nobody said that it ended
+  cut       ///< no process writes, and no end was recorded
 };
 
 struct RunState {

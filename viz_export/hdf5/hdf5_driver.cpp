@@ -40,10 +40,16 @@ herr_t close_file(H5FD_t* file) {
 
 /// No feature: nothing is kept between two reads. Sieving of raw data pays where rows are read one by one, ours are
 /// not.
-herr_t no_features(const H5FD_t*, unsigned long* flags) { return *flags = 0, 0; }
+herr_t no_features(const H5FD_t*, unsigned long* flags) {
+  *flags = 0;
+  return 0;
+}
 
 haddr_t get_eoa(const H5FD_t* file, H5FD_mem_t) { return of(file).end_of_address; }
-herr_t set_eoa(H5FD_t* file, H5FD_mem_t, haddr_t address) { return of(file).end_of_address = address, 0; }
+herr_t set_eoa(H5FD_t* file, H5FD_mem_t, haddr_t address) {
+  of(file).end_of_address = address;
+  return 0;
+}
 haddr_t get_eof(const H5FD_t* file, H5FD_mem_t) { return of(file).end_of_file; }
 
 herr_t read_bytes(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, size_t size, void* buffer) {

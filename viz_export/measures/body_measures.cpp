@@ -19,7 +19,7 @@ struct Weighed {
   }
 };
 
-/// The farthest of several ways: across and down [m].
+/// The largest of several displacements: across and down [m].
 struct Farthest {
   double distance = 0.0, sag = 0.0;
   Farthest& operator+=(const Farthest& o) {

@@ -7,10 +7,13 @@
 namespace epafi {
 
 namespace {
-/// Forces times the ways that they bridge [N m].
+/// Forces times the vectors between centres [N m].
 struct Moment {
   Mat3 sum = Mat3::Zero();
-  Moment& operator+=(const Moment& o) { return sum += o.sum, *this; }
+  Moment& operator+=(const Moment& o) {
+    sum += o.sum;
+    return *this;
+  }
 };
 }  // namespace
 

@@ -83,9 +83,9 @@ struct Neighbours {
 
 constexpr int gone = -1;
 
-/// Takes away who has fewer than `least` neighbours left, and then who has too few without them, until nobody has: who
-/// is left does not depend on the order (the core of a graph: Seidman 1983). Every thread has bodies of its own, 4096
-/// at least; what those of others lose to them they are told of in the next round.
+/// Removes bodies with fewer than `least` neighbours, then those that have too few without them, until none is left:
+/// the rest does not depend on the order (the core of a graph: Seidman 1983). Every thread has bodies of its own, at
+/// least 4096; losses to bodies of other threads are passed on in the next round.
 class Rattlers {
  public:
   /// degree: neighbours of each body, `gone` where it is not one; in the end those left, `gone` of who has left.

@@ -27,7 +27,7 @@ int MassFlow::level(const World& w, Slot s) const {
   return laps + ((w.cell->inside(w.position[s]) - point_).dot(normal_) > 0 ? 1 : 0);
 }
 
-/// The mass of a body for each plane that it has passed since it was last looked at [kg].
+/// The mass of a body for each plane that it has passed since its last sample [kg].
 double MassFlow::passed(const World& w, Slot s) {
   const int now = level(w, s), before = std::exchange(level_[static_cast<std::size_t>(w.id[s])], now);
   return before == unseen ? 0.0 : (now - before) / w.inverse_mass[s];

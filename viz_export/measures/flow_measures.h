@@ -7,8 +7,8 @@
 namespace epafi {
 
 /// mass [kg] that went through the plane in the direction of its normal since the start (backwards counts negative),
-/// rate [kg/s] over the last `window` seconds. Bodies that come in or are taken out between two samples are looked at
-/// then, so the mass does not depend on how often it is written.
+/// rate [kg/s] over the last `window` seconds. Bodies that enter or are removed between two samples are counted at that
+/// time, so the mass does not depend on the sampling interval.
 class MassFlow final : public Measure {
  public:
   explicit MassFlow(MeasureSetup setup);

@@ -14,7 +14,7 @@
 
 namespace epafi {
 
-/// What a measure looks at, resolved from the scene.
+/// Bodies, parameters and times of a measure, resolved from the scene.
 struct MeasureSetup {
   std::string name;
   Parameters parameters;        ///< fields of the kind
@@ -34,7 +34,7 @@ class Measure {
   virtual void bodies_come(const World&, std::size_t /*first*/) {}
   virtual void bodies_leave(const World&, std::span<const BodyId>) {}
   virtual bool wants_energy() const { return false; }
-  /// What `sample` looks at of single contacts: the set may lack those of the loop over spheres, or their other
+  /// Which single contacts `sample` reads: without it the set may lack those of the loop over spheres, or their other
   /// columns.
   virtual ContactView wants_contacts() const { return ContactView::none; }
   virtual void visit(StateVisitor&, const std::string& /*prefix*/) {}

@@ -96,7 +96,7 @@ void write_bodies_csv(const std::filesystem::path& path, const StoredRun& run, c
   write_table(path, header, [&] { return std::exchange(rows, {}); });
 }
 
-/// bodies.csv is a state of bodies: what it leaves out is told.
+/// bodies.csv holds bodies only: a warning says what it leaves out.
 std::vector<std::string> notes_on_bodies(const StoredRun& run, const StoredSnapshot& last) {
   const auto is_free = [](const BodyRecord& b) { return !b.is_wall(); };
   const auto has_axes = [&](const BodyRecord& b) { return is_free(b) && b.surface != nullptr; };

@@ -11,7 +11,7 @@
 namespace epafi {
 
 /// Some contacts, rows [first, first + size) of a frame; row is counted from the frame's first one. Each value is
-/// fetched when it is asked for: written out they took 104 bytes a contact, and half the time of a frame.
+/// fetched on access: written out they take 104 bytes a contact, and half the time of a frame.
 class ContactRows {
  public:
   ContactRows() = default;
@@ -46,7 +46,7 @@ class ContactRows {
 };
 
 /// All of them, a piece at a time: whole columns of what a contact model finds itself took 350 bytes a sphere of a bed.
-/// None where nobody has evaluated forces yet. Rows stand in the order of the pieces.
+/// Empty before forces have been evaluated. Rows are in the order of the pieces.
 class ContactList {
  public:
   ContactList() = default;

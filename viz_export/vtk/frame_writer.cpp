@@ -106,8 +106,10 @@ PolyData draw_contacts(const ContactRows& c, double time) {
   FrameColumns rows({c.begin(), c.end()});
   PolyData d;
   d.time = time;
-  d.points = rows.add<float>(
-      6, [&](std::size_t k, float* to) { FrameColumns::put(c.from(k), to), FrameColumns::put(c.to(k), to + 3); });
+  d.points = rows.add<float>(6, [&](std::size_t k, float* to) {
+    FrameColumns::put(c.from(k), to);
+    FrameColumns::put(c.to(k), to + 3);
+  });
   d.lines = cells_of(rows, 2);
   d.cell_data.push_back(rows.scalar<float>("force_magnitude", [&](std::size_t k) { return c.force(k).norm(); }));
   d.cell_data.push_back(rows.scalar<float>("normal_force", [&](std::size_t k) { return c.normal_force(k); }));

@@ -198,7 +198,10 @@ void VtpFile::write(const std::filesystem::path& path) const {
   SideFile side(path);
   PlacedFile out(side.path(), path);
   std::size_t size = 0;
-  const auto add = [&](Bytes bytes) { out.put(size, bytes), size += bytes.size(); };
+  const auto add = [&](Bytes bytes) {
+    out.put(size, bytes);
+    size += bytes.size();
+  };
   add(head_);
   for (const std::string& a : arrays_) add(a);
   add(tail);

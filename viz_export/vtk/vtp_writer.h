@@ -53,10 +53,10 @@ class VtpFile {
   std::vector<std::string> arrays_;  ///< encoded
 };
 
-/// A plain file (positions hardly shrink, and that costs ten times the time) of rows that have as many points and cells
-/// one as the other. It is drawn a piece at a time, so that a frame takes no memory (of 100 000 spheres in a bed 23 MB,
-/// and 44 of its 95 ms went into pages that nobody had touched): draw(k) has rows [begins[k], begins[k + 1]), of which
-/// only the whole file may have none. Throws FileError.
+/// An uncompressed file (compression hardly shrinks positions and takes ten times as long) of rows with equal numbers
+/// of points and cells. It is drawn a piece at a time, so a frame takes no memory (columns of 100 000 spheres take
+/// 23 MB, and new pages half of the time): draw(k) returns rows [begins[k], begins[k + 1]); only the whole file may be
+/// empty. Throws FileError.
 void write_vtp_pieces(const std::filesystem::path& path, const std::vector<std::size_t>& begins,
                       const std::function<PolyData(std::size_t piece)>& draw);
 /// The same by equal pieces: draw(begin, end) has rows [begin, end).

@@ -65,7 +65,7 @@ inline Closest on_tetrahedron(const Simplex& s, bool& inside) {
   const double va = b.dot(c.cross(d)), vb = -a.dot(c.cross(d)), vc = a.dot(b.cross(d)), vd = -a.dot(b.cross(c));
   const double volume = (b - a).dot((c - a).cross(d - a));
   const double sign = volume < 0.0 ? -1.0 : 1.0;
-  // Below this the tetrahedron is flat to rounding and its signs are noise: every face is asked.
+  // Below this the tetrahedron is flat to rounding and its signs are noise: every face is tested.
   const double scale = std::max({a.squaredNorm(), b.squaredNorm(), c.squaredNorm(), d.squaredNorm()});
   const bool flat = !(std::abs(volume) > 1e-15 * scale * std::sqrt(scale));
   inside = !flat && sign * va > 0.0 && sign * vb > 0.0 && sign * vc > 0.0 && sign * vd > 0.0;

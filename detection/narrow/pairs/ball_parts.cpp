@@ -63,7 +63,7 @@ class BallsInPlace {
   std::size_t count_ = 0;
 };
 
-/// The first body's balls stay where they are while its pairs are asked one after the other.
+/// The centres of the first body's balls are kept while its pairs follow each other.
 struct LastPlaced {
   BallsInPlace balls;
   Clump own;  // the caller's may be gone when the next one comes

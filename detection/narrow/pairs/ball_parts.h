@@ -1,5 +1,5 @@
-/// @file ball_parts.h  Two clumps of balls: which balls are asked. Their centres are placed once a pair, those of the
-/// first body once for all its pairs in a row; only balls that reach into the other clump's box are compared.
+/// @file ball_parts.h  Two clumps of balls: which balls are tested. Centres are computed once per pair, those of the
+/// first body once for all its successive pairs; only balls that reach into the other clump's box are compared.
 #pragma once
 #include "detection/narrow/pairs/pair_query.h"
 #include "detection/shapes/clump.h"

@@ -1,6 +1,6 @@
 /// @file capsule_sieve.h  Which pairs of capsules of a run may touch: two, four or eight at a time, by the distance of
 /// their axes. A list of elongated bodies names many pairs that are apart (of 2000 settled capsules five of six); the
-/// closed form, one pair at a time, is asked for the others only.
+/// closed form, one pair at a time, is evaluated for the others only.
 #pragma once
 #include <cstdint>
 #include <span>

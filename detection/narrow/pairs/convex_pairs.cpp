@@ -192,7 +192,7 @@ void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const R
       return;
     form = {};
   }
-  // what is asked once and found apart keeps an axis and no more
+  // a pair that is queried once and found apart keeps an axis only
   const bool had_axis = q.cache && q.cache->axis.squaredNorm() > 0.0;
   PairMemory* const memory = had_axis ? &q.cache->made() : q.cache ? q.cache->polyhedra.get() : nullptr;
   const PolyhedronDistance d = polyhedron_distance(pair, limit, memory);

@@ -1,5 +1,5 @@
 /// @file core_patch.h  Several contact points of a capsule or cylinder with a polyhedron: its straight side or flat
-/// end, clipped to the face of the polyhedron that looks at it. One point lets a lying capsule or a standing cylinder
+/// end, clipped to the face of the polyhedron that faces it. One point lets a lying capsule or a standing cylinder
 /// rock.
 #pragma once
 #include "detection/narrow/polyhedra/manifold.h"

@@ -8,7 +8,7 @@ namespace {
 /// Numbers of the wall's parts in the features of a pair.
 enum WallPart : std::size_t { side_part = 1, start_part = 2, end_part = 3, solid_part = 4 };
 
-constexpr std::size_t azimuths = 24;  // where rims and sides are first looked at
+constexpr std::size_t azimuths = 24;  // where the search of rims and sides begins
 constexpr double spacing = 0.27;      // between two of them, or little more [rad]
 
 /// Unit vectors across the axis, 15 degrees apart: by turning, so that no libm decides a bit of a run.

@@ -108,7 +108,10 @@ class ContactSink {
   }
   /// The next points come from a function that has the bodies the other way round: normals turn, arms are taken from A.
   /// centre: of the function's A relative to the pair's A [m].
-  void flip(const Vec3& centre) { flipped_ = true, centre_ = centre; }
+  void flip(const Vec3& centre) {
+    flipped_ = true;
+    centre_ = centre;
+  }
   void add(const ContactPoint& c) {
     if (!flipped_)
       out_.append(a_, b_, c);

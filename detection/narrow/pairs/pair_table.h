@@ -89,8 +89,8 @@ inline PairQuery query_of(const BatchInput& in, const Pair& p, std::size_t k) {
 }
 
 /// How a pair is decided; `exchanged`: by the function of (B, A).
-/// balls: both consist of balls; parts: convex ones by search, so few are asked; parts_of_a, parts_of_b: each part
-/// asks.
+/// balls: both consist of balls; parts: convex ones, selected by a search; parts_of_a, parts_of_b: every part is
+/// tested.
 enum class Way {
   balls,
   closed,

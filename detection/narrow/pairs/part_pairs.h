@@ -1,6 +1,6 @@
-/// @file part_pairs.h  Two bodies of which one at least consists of convex parts: which parts are asked.
-/// Of two stones of ten parts four of five pairs of parts are apart in the direction from stone to stone: one support a
-/// part tells, where a search would take 0.4 us for each pair.
+/// @file part_pairs.h  Two bodies of which one at least consists of convex parts: which pairs of parts are tested.
+/// Of two stones of ten parts four of five pairs of parts are apart in the direction from stone to stone: one support
+/// per part shows it, where a search would take 0.4 us per pair.
 #pragma once
 #include <vector>
 

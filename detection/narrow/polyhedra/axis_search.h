@@ -4,7 +4,7 @@
 /// an edge of A it is at most the larger of its two faces' values (while that is negative). With x on B where it is
 /// deepest in A few features survive; the sphere inside the other body prunes what x does not. A start only tightens
 /// the pruning: the answer is the same bits with any start, because equal axes are told apart by a fixed order (faces
-/// of A, of B, edges; then by index) and everything within rounding of the best is looked at.
+/// of A, of B, edges; then by index) and everything within rounding of the best is evaluated.
 #pragma once
 #include <vector>
 

@@ -57,7 +57,11 @@ void ClippedSolid::append(const Vec3& x) {
 }
 
 /// What was made next is the surface from now on.
-void ClippedSolid::take_next() { std::swap(now_, next_), count_ = next_count_, faces_ = next_faces_; }
+void ClippedSolid::take_next() {
+  std::swap(now_, next_);
+  count_ = next_count_;
+  faces_ = next_faces_;
+}
 
 void ClippedSolid::assign(const PolyhedronView& view, const Mat3& rotation, const Vec3& offset) {
   make_room(view.vertices.size(), view.face_normals.size(), view.face_vertices.size());

@@ -20,9 +20,9 @@ class Adaptive final : public ContactSolver {
  public:
   explicit Adaptive(const Parameters& parameters);
   SolverReport solve(const ContactProblem& problem, Impulses& r) override;
-  /// Cold and alone: whatever it takes.
+  /// A single problem from a cold start: no limit of work.
   SolverReport solve(const ConeProblem& problem, Impulses& r) override;
-  /// After a step that was not solved no start is: it is not looked at, which costs as much as a sweep or two.
+  /// After an unsolved step no start is good enough: its residual is not computed, which saves one or two sweeps.
   double good_start() const override { return solved_ ? direct_.good_start() : -1.0; }
   bool calms() const override { return direct_.calms(); }
   void calm(const std::vector<Vec3>& change, Impulses& r) override { direct_.calm(change, r); }

@@ -52,7 +52,7 @@ class Auto final : public ConeSolver {
     double sweep_cost = 0.0;  ///< multiplications of a sweep
     double work = 0.0;        ///< multiplications of this solve
     double budget = 0.0;      ///< multiplications that this solve may take
-    bool left = false;        ///< not looked at: too dear
+    bool left = false;        ///< not solved: too expensive
   };
   /// Of newton's, where it had the last word: that it is to begin the next step, and its factor, which calms.
   enum class Kept : std::uint8_t { nothing, method, factor };

@@ -98,7 +98,7 @@ void BallBodies::place_all(World& world, double lag, Lanes* late_spins) {
 
 void BallBodies::give(World& world, std::uint8_t* touched, std::size_t begin, std::size_t end) {
   each_in(begin, end, [&](const Whole& whole, bool free) {
-    if (!free) return;  // nobody asks
+    if (!free) return;  // not needed
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
     for (std::uint32_t k = whole.first; k < whole.first + whole.count; ++k) {
       force += load_[k].force;

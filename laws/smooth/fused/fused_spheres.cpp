@@ -30,7 +30,10 @@ class FusedModel final : public FusedSpheres {
   std::size_t block_size() const override { return blocks_.block_size(); }
   bool waits_for_pairs() const override { return !blocks_.laid_out(); }
   void forget_margins() override { inverse_half_margin_ = {}; }
-  void expect(const CommonMotion& drift) override { drift_ = drift, since_drift_ = 0.0; }
+  void expect(const CommonMotion& drift) override {
+    drift_ = drift;
+    since_drift_ = 0.0;
+  }
   void set_bodies(UnwrittenColumn<double> radius, std::size_t first) override {
     if (first > 0 && !radius_.empty()) {  // those of before are still to be told
       EPAFI_REQUIRE(first_ + radius_.size() == first, "bodies come behind the others");
@@ -133,7 +136,11 @@ class FusedModel final : public FusedSpheres {
   void append_gaps(const World& world, std::size_t part, ContactSet& gaps) const override {
     const SphereContacts all(world, blocks_);
     std::size_t at = gaps.size();
-    const auto make_room = [&](std::size_t size) { gaps.a.resize(size), gaps.b.resize(size), gaps.gap.resize(size); };
+    const auto make_room = [&](std::size_t size) {
+      gaps.a.resize(size);
+      gaps.b.resize(size);
+      gaps.gap.resize(size);
+    };
     make_room(at + blocks_.blocks()[part].size);
     all.each(static_cast<std::uint32_t>(part), [&](const SphereContact& c) {
       gaps.a[at] = all.first(c);
@@ -157,7 +164,10 @@ class FusedModel final : public FusedSpheres {
     }
   }
 
-  void reorder(const Reordering& change) override { generic_->reorder(change), blocks_.reorder(change); }
+  void reorder(const Reordering& change) override {
+    generic_->reorder(change);
+    blocks_.reorder(change);
+  }
   void visit(StateVisitor& visitor) override {
     ahead_ = false;  // it may be another state that comes in
     generic_->visit(visitor);

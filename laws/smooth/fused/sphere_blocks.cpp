@@ -291,7 +291,10 @@ void SphereBlocks::list_sources() {
 }
 
 void SphereBlocks::Block::grow_records(std::size_t size, bool rolls) {
-  const auto grow = [room = size + size / 16](auto& column) { column.reserve(room), column.resize(room); };
+  const auto grow = [room = size + size / 16](auto& column) {
+    column.reserve(room);
+    column.resize(room);
+  };
   grow(records);
   grow(record_places);
   if (rolls) grow(record_moments);

@@ -1,4 +1,4 @@
-/// @file sphere_kernel.h  Contact of spheres, n contacts at a time. A first pass looks at all pairs of a run and hands
+/// @file sphere_kernel.h  Contact of spheres, n contacts at a time. A first pass tests all pairs of a run and hands
 /// on those that touch; these alone, closed up, go through motion, the passes of the laws (tile_passes.h) and sums, 32
 /// together: each of these loops is short, so that the processor works at several groups at once. The result equals the
 /// generic loop to rounding (tests/physics/test_fused_spheres.cpp), and is the same bits for every n.

@@ -60,7 +60,10 @@ class SphereSprings {
   Places begin_step();
   /// Springs from `place` on, which the step has not read, move up; by how much.
   std::uint32_t make_room(std::uint32_t place);
-  void end_step(Places now) { first_ -= lead, last_ = now.write; }
+  void end_step(Places now) {
+    first_ -= lead;
+    last_ = now.write;
+  }
   /// By place.
   SphereSpring* friction() { return friction_.data(); }
   SphereSpring* rolling() { return rolling_.data(); }

@@ -15,7 +15,7 @@ struct SphereArrays {
   std::uintptr_t sums;  ///< address of slot 0, were it there: those of the block are
   double dt, lag;       ///< of the step; from its middle to the time of the predicted velocities [s]
   bool damped;
-  bool tells_energy;  ///< somebody asks what the contacts store
+  bool tells_energy;  ///< the stored energy is needed
   const struct Passes* passes = nullptr;
   const struct PairRow* rows = nullptr;     ///< by pair of materials
   const std::uint16_t* material = nullptr;  ///< by place; null: all spheres are of `own`
@@ -23,7 +23,7 @@ struct SphereArrays {
   const std::uint8_t* owner = nullptr;  ///< as World::owner, by place; null: all contacts count
   double reach = 0.0;                   ///< contacts hold so far beyond touch [m]
   Lanes cell_size{}, strain_rate{};     ///< of a periodic cell [m], [1/s]; fourth 0
-  SpherePlace nowhere{};                ///< of a sum that nobody reads: for lanes behind the last contact
+  SpherePlace nowhere{};                ///< of a sum that is never read: for lanes after the last contact
   // with rolling: spins by place, then as sums
   const Lanes* late_spins = nullptr;
   std::uintptr_t moments = 0;

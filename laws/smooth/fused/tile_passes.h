@@ -25,7 +25,7 @@ struct PassCall {
 struct NormalCall : PassCall {
   const double* before;  ///< what the law remembers of the tile's contacts
   double* now;
-  double lag;  ///< from the middle of the step to the detection [s]; 0: nobody damps
+  double lag;  ///< from the middle of the step to the detection [s]; 0: no law damps
   bool tells_energy;
   bool locates;  ///< start and end of contacts count for the part of the step that they take
 };

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double default_cells = 32.0;  // along the shorter axis
 constexpr std::size_t multiple = 8;     // so that three coarser grids exist
-constexpr double most_default = 16384;  // cells of a grid that nobody asked for: 32 across, 16 times as long
+constexpr double most_default = 16384;  // cells of a grid chosen by default: 32 across, 16 times as long
 constexpr double longest = 1.0;         // of any patch [m]: a wheel is no longer
 constexpr double most_cells = 4e6;      // of any grid: 2 GB
 

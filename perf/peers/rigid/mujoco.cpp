@@ -10,7 +10,10 @@
 
 class Mujoco final : public peers::Engine {
  public:
-  ~Mujoco() override { mj_deleteData(data_), mj_deleteModel(model_); }
+  ~Mujoco() override {
+    mj_deleteData(data_);
+    mj_deleteModel(model_);
+  }
   void build(const std::vector<peers::Body>& bodies, const peers::Settings& settings) override {
     const std::string name = "mujoco_" + std::to_string(getpid()) + ".xml";
     std::ofstream(name) << description(bodies, settings);

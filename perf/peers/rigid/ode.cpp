@@ -8,7 +8,10 @@
 
 class Ode final : public peers::Engine {
  public:
-  Ode() { dInitODE2(0), dAllocateODEDataForThread(dAllocateMaskAll); }
+  Ode() {
+    dInitODE2(0);
+    dAllocateODEDataForThread(dAllocateMaskAll);
+  }
   void build(const std::vector<peers::Body>& bodies, const peers::Settings& settings) override {
     dt_ = settings.dt;
     friction_ = settings.friction;
