@@ -294,7 +294,7 @@ class Painter {
     return {n.x(), n.y(), -n.z()};
   }
 
-  V3 colour_of(std::uint32_t thing, int x, int y, float depth) const {
+  V3 colour_of(std::uint32_t thing, int x, int y, float depth) {
     std::size_t k = thing;
     if (k < scene_.balls.size()) {
       const DrawnBall& ball = scene_.balls[k];
@@ -302,9 +302,11 @@ class Painter {
     }
     k -= scene_.balls.size();
     if (k < scene_.triangles.size()) {
-      FlatTriangle flat{};
-      flat.set(corners_of(scene_.triangles[k]).data(), lens_, layer_);
-      return lit(scene_.triangles[k].colour, normal_of(scene_.triangles[k], flat.weights(x, y)));
+      if (thing != set_) {  // samples of one triangle follow each other
+        last_.set(corners_of(scene_.triangles[k]).data(), lens_, layer_);
+        set_ = thing;
+      }
+      return lit(scene_.triangles[k].colour, normal_of(scene_.triangles[k], last_.weights(x, y)));
     }
     return lit(scene_.lines[k - scene_.triangles.size()].colour, V3(0, 0, 1));
   }
@@ -313,6 +315,8 @@ class Painter {
   Lens lens_;
   Layer layer_;
   std::vector<V3> colour_;
+  FlatTriangle last_{};      ///< that was lit
+  std::uint32_t set_ = ~0u;  ///< its number among the things
 };
 
 }  // namespace
