@@ -234,6 +234,10 @@ bool is_free_wall(const ShapeStore& shapes, ShapeRef shape) {
   return has_flat_faces(shapes, shape) && shape.type() != ShapeStore::type_of<Capsule>();
 }
 
+bool is_convex(const ShapeStore& shapes, ShapeRef shape) {
+  return shapes.with(shape, []<class S>(const S&) { return FlatConvex<S> || std::is_same_v<S, HalfSpace>; });
+}
+
 std::size_t part_count(const ShapeStore& shapes, ShapeRef shape) {
   return shapes.with(shape, []<class S>(const S& s) -> std::size_t {
     if constexpr (FlatParts<S>) return s.part_count();

@@ -11,6 +11,9 @@ bool has_flat_faces(const ShapeStore& shapes, ShapeRef shape);
 /// What moves freely is a wall to its neighbours by plane faces: two capsules side by side are no level surface.
 bool is_free_wall(const ShapeStore& shapes, ShapeRef shape);
 
+/// All of it lies behind the plane through any of its points and normals.
+bool is_convex(const ShapeStore& shapes, ShapeRef shape);
+
 /// Of a solid of convex parts; 0 for other shapes.
 std::size_t part_count(const ShapeStore& shapes, ShapeRef shape);
 

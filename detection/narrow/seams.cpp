@@ -10,6 +10,7 @@ namespace epafi {
 namespace {
 
 constexpr std::size_t most_of_free = 64;  // all pairs of them are looked at
+constexpr double leaning = 0.01;          // of the body's radius: far more than what counts as level
 
 ShapeRef shape_of(const World& world, Slot s) { return ShapeRef{world.shape[s]}; }
 
@@ -68,11 +69,13 @@ void Seams::find(const World& world) {
   const auto& solids = shapes_.of<SolidParts>();
   solids_ = std::ranges::any_of(solids, [](const SolidParts& s) { return s.part_count() > 1; });
   flat_.resize(world.size());
+  convex_.resize(world.size());
   radius_.resize(world.size());
   for (Slot s = 0; s < world.size(); ++s) {
     const ShapeRef shape = shape_of(world, s);
     flat_[s] = world.is_movable(s) ? is_free_wall(shapes_, shape) : has_flat_faces(shapes_, shape);
-    radius_[s] = shapes_.bounding_radius(shape_of(world, s));
+    convex_[s] = is_convex(shapes_, shape);
+    radius_[s] = shapes_.bounding_radius(shape);
   }
   joins_ = std::ranges::count(flat_, 1) > (world.cell ? 0 : 1);
 }
@@ -80,10 +83,6 @@ void Seams::find(const World& world) {
 void Seams::hide(const World& world, ContactSet& contacts) {
   if (!joins_ && !solids_) return;
   list_groups(world, contacts);
-  deepest_.assign(world.size(), 0.0);
-  for (std::size_t i = 0; i < contacts.size(); ++i)
-    for (const Slot s : {contacts.a[i], contacts.b[i]})
-      if (world.is_movable(s)) deepest_[s] = std::max(deepest_[s], -contacts.gap[i]);
   candidates_.clear();
   others_.clear();
   for (const Group& group : groups_) consider(world, contacts, group);
@@ -98,11 +97,17 @@ void Seams::hide(const World& world, ContactSet& contacts) {
 void Seams::list_groups(const World& world, const ContactSet& contacts) {
   groups_.clear();
   of_body_.begin.assign(world.size() + 1, 0);
+  deepest_.assign(world.size(), 0.0);
   for (std::size_t begin = 0, end = 0; begin < contacts.size(); begin = end) {
-    end = end_of_group(contacts, begin);
+    end = begin + 1;
     const Slot a = contacts.a[begin], b = contacts.b[begin];
     if (flat_[a] == 0 && flat_[b] == 0) continue;
-    groups_.push_back({begin, end, a, b});
+    end = end_of_group(contacts, begin);
+    Group group{begin, end, a, b, world.branch(a, b, contacts.feature[begin])};
+    for (std::size_t i = begin; i < end; ++i) group.depth = std::max(group.depth, -contacts.gap[i]);
+    for (const Slot s : {a, b})
+      if (world.is_movable(s)) deepest_[s] = std::max(deepest_[s], group.depth);
+    groups_.push_back(group);
   }
   of_body_.fill([&](auto&& f) {
     for (std::uint32_t k = 0; k < groups_.size(); ++k) {
@@ -110,6 +115,73 @@ void Seams::list_groups(const World& world, const ContactSet& contacts) {
       f(groups_[k].b, k);
     }
   });
+  if (joins_) find_level(world, contacts);
+}
+
+void Seams::Points::clear() {
+  for (auto* column : {&x, &y, &z, &more}) column->clear();
+}
+
+void Seams::Points::add(const Vec3& at, double higher) {
+  x.push_back(at.x());
+  y.push_back(at.y());
+  z.push_back(at.z());
+  more.push_back(higher);
+}
+
+std::size_t Seams::Points::count_below(const Vec3& normal, double top) const {
+  double count = 0.0;  // in lanes
+#pragma omp simd reduction(+ : count)
+  for (std::size_t i = 0; i < x.size(); ++i)
+    count += normal.x() * x[i] + normal.y() * y[i] + normal.z() * z[i] - more[i] <= top ? 1.0 : 0.0;
+  return static_cast<std::size_t>(count);
+}
+
+/// No more of a convex wall than what counts as level is above the plane in which it holds the body, and so the places
+/// where it goes on beside another wall are not either: most bodies of a pile are done with by this.
+void Seams::find_level(const World& world, const ContactSet& contacts) {
+  level_.entries.clear();
+  level_.begin.assign(world.size() + 1, 0);
+  for (Slot body = 0; body < world.size(); ++body) {
+    const auto groups = of_body_.at(body);
+    level_.begin[body] = static_cast<std::uint32_t>(level_.entries.size());
+    if (groups.size() < 2 || !world.is_movable(body)) continue;
+    const bool many = groups.size() > most_of_free;
+    points_.clear();
+    if (!many)
+      for (const std::uint32_t k : groups) add_points(contacts, groups_[k], body);
+    for (const std::uint32_t k : groups)
+      if (many || is_level(contacts, groups_[k], body)) level_.entries.push_back(k);
+  }
+  level_.begin.back() = static_cast<std::uint32_t>(level_.entries.size());
+}
+
+void Seams::add_points(const ContactSet& contacts, const Group& group, Slot body) {
+  const bool wall_is_b = group.a == body;
+  const Slot wall = group.of(wall_is_b);
+  if (flat_[wall] == 0) return;
+  const Vec3 centre = wall_is_b ? Vec3(Vec3::Zero()) : group.branch;
+  const double more = deepest_[wall] + 2.0 * group.depth;
+  for (std::size_t i = group.begin; i < group.end; ++i)
+    points_.add(contacts.arm[i] - centre, more + std::max(0.0, contacts.gap[i]));
+}
+
+/// Points of the body's contacts with other walls are not above the plane of this one.
+bool Seams::is_level(const ContactSet& contacts, const Group& group, Slot body) const {
+  const bool wall_is_b = group.a == body;
+  const Slot wall = group.of(wall_is_b);
+  if (flat_[wall] == 0) return false;
+  if (convex_[wall] == 0) return true;
+  const Vec3& normal = contacts.normal[group.begin];
+  const Vec3 out = wall_is_b ? Vec3(-normal) : normal;
+  double top = -infinity;
+  for (std::size_t i = group.begin; i < group.end; ++i) {
+    if (!same_direction(contacts.normal[i], normal)) return true;
+    top = std::max(top, out.dot(contacts.arm[i]));
+  }
+  if (!wall_is_b) top -= out.dot(group.branch);
+  top += deepest_[wall] + 2.0 * group.depth + leaning * radius_[body];
+  return points_.count_below(out, top) > group.end - group.begin;
 }
 
 /// The contacts of two bodies, either of which may be a wall to the other.
@@ -117,6 +189,7 @@ void Seams::consider(const World& world, const ContactSet& contacts, const Group
   struct Side {
     bool wall_is_b, parts = false;
     std::size_t first = 0, last = 0;
+    bool is_empty() const { return !parts && first == last; }
   } sides[] = {{true}, {false}};
   for (Side& side : sides) {
     const Slot wall = group.of(side.wall_is_b);
@@ -126,13 +199,14 @@ void Seams::consider(const World& world, const ContactSet& contacts, const Group
     side.last = others_.size();
     side.parts = solids_ && part_count(shapes_, shape_of(world, wall)) > 1;
   }
+  if (sides[0].is_empty() && sides[1].is_empty()) return;
   for (std::size_t i = group.begin; i < group.end; ++i)
     for (const Side& side : sides) {
       if (!side.parts &&
           !may_be_near(world, contacts, i, side.wall_is_b, {others_.begin() + side.first, others_.begin() + side.last}))
         continue;
       Candidate c = candidate(world, contacts, i, side.wall_is_b);
-      c.group = group;
+      c.group = &group;
       c.first_other = side.first;
       c.last_other = side.last;
       if (c.on_wall && has_other_near(c)) candidates_.push_back(c);
@@ -158,10 +232,10 @@ bool Seams::has_other_near(const Candidate& c) const {
 
 /// The body's other contacts say with whom. A body that touches many, as a floor, feels free ones one by one.
 void Seams::list_others(const World& world, const ContactSet& contacts, const Group& group, bool wall_is_b) {
-  const auto groups = of_body_.at(group.of(!wall_is_b));
-  const bool feels_free = world.is_movable(group.of(!wall_is_b)) && groups.size() <= most_of_free;
-  if (world.is_movable(group.of(wall_is_b)) && !feels_free) return;
-  for (const std::uint32_t k : groups)
+  const Slot wall = group.of(wall_is_b), body = group.of(!wall_is_b);
+  const auto level = level_.at(body);
+  if (level.empty() || (world.is_movable(wall) && of_body_.at(body).size() > most_of_free)) return;
+  for (const std::uint32_t k : level)
     if (&groups_[k] != &group) add_other(world, contacts, group, wall_is_b, groups_[k]);
 }
 
@@ -173,15 +247,13 @@ void Seams::add_other(const World& world, const ContactSet& contacts, const Grou
   const bool held_is_b = held.a == body;
   const Slot slot = held.of(held_is_b);
   const bool free = world.is_movable(wall) || world.is_movable(slot);
-  if (flat_[slot] == 0) return;
+  double level = near_of(wall, body);
+  if (free) level += std::abs(deepest_[wall] - deepest_[slot]) + std::max(group.depth, held.depth);
   Vec3 shift = Vec3::Zero();
   if (world.cell)
     shift = centre_of_body(world, contacts, group.begin, wall_is_b) -
             centre_of_body(world, contacts, held.begin, held_is_b);
   const Vec3 place = world.position[slot] + shift;
-  double level = near_of(wall, body);
-  if (free)
-    level += std::abs(deepest_[wall] - deepest_[slot]) + std::max(depth_of(contacts, group), depth_of(contacts, held));
   const auto is_near = [&](std::size_t i) {
     const double reach = radius_[slot] + level + std::abs(contacts.gap[i]);
     return (point_on(world, contacts, i, wall_is_b) - place).squaredNorm() <= reach * reach;
@@ -197,16 +269,10 @@ void Seams::add_other(const World& world, const ContactSet& contacts, const Grou
     const double pace = (velocity_at(world, body, point - centre) - of_wall).squaredNorm();
     if (apart > 0.01 * pace + world.gravity.norm() * level) return;
   }
-  Other other{slot, world.id[slot], {shape_of(world, slot), world.pose(slot)}, shift, held, level, free};
+  Other other{slot, world.id[slot], {shape_of(world, slot), world.pose(slot)}, shift, &held, level, free};
   other.piece.pose.position = place;
   if (!free) other.box = shapes_.bounding_box(other.piece.shape, other.piece.pose);
   others_.push_back(other);
-}
-
-double Seams::depth_of(const ContactSet& contacts, const Group& group) {
-  double deepest = 0.0;
-  for (std::size_t k = group.begin; k < group.end; ++k) deepest = std::max(deepest, -contacts.gap[k]);
-  return deepest;
 }
 
 double Seams::near_of(Slot wall, Slot body) const {
@@ -297,9 +363,9 @@ bool Seams::holds_instead(const World& world, const ContactSet& contacts, const 
                           const Other& other) const {
   const bool beyond = goes_beyond(shapes_, other.piece, c.point, c.normal, other.level);
   if (!beyond && (comes_first(c, other) || (other.free && flat_[c.body] != 0))) return false;
-  const std::size_t begin = other.held.begin, end = other.held.end;
+  const std::size_t begin = other.held->begin, end = other.held->end;
   // the body may lean: where it has the wall it is not as deep as at the point
-  const double deep = other.level + depth_of(contacts, other.held);
+  const double deep = other.level + other.held->depth;
   for (std::size_t k = begin; k < end; ++k) {
     if (k == c.contact || hidden_[k] != 0) continue;
     const Candidate held = candidate(world, contacts, k, contacts.b[k] == other.wall);

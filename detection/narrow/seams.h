@@ -43,6 +43,8 @@ class Seams {
   struct Group {
     std::size_t begin, end;
     Slot a, b;
+    Vec3 branch;         ///< from a to b, which may be an image [m]
+    double depth = 0.0;  ///< of the deepest [m]
     Slot of(bool is_b) const { return is_b ? b : a; }
   };
   /// Numbers by slot.
@@ -62,18 +64,26 @@ class Seams {
       begin.front() = 0;
     }
   };
+  /// Where flat walls hold one body, from its centre, and by how much a neighbour of each may be higher; by column, as
+  /// all bodies are asked in each step and few in a pile have level neighbours.
+  struct Points {
+    std::vector<double> x, y, z, more;
+    void clear();
+    void add(const Vec3& at, double higher);
+    std::size_t count_below(const Vec3& normal, double top) const;
+  };
   /// A contact at which a neighbour, or another part of the same solid, may go on.
   struct Candidate {
     std::size_t contact;
     bool wall_is_b;
     Slot wall, body;
-    BodyId id;                   ///< of the wall
-    WallPiece piece;             ///< of the wall, or its part
-    Vec3 point = Vec3::Zero();   ///< on the wall where it is itself, not at an image
-    Vec3 normal = Vec3::Zero();  ///< out of it
-    double near = 0.0;           ///< [m]: closer is touching
-    bool on_wall = false;        ///< the point is; else nothing is known
-    Group group{};               ///< of this wall and body
+    BodyId id;                     ///< of the wall
+    WallPiece piece;               ///< of the wall, or its part
+    Vec3 point = Vec3::Zero();     ///< on the wall where it is itself, not at an image
+    Vec3 normal = Vec3::Zero();    ///< out of it
+    double near = 0.0;             ///< [m]: closer is touching
+    bool on_wall = false;          ///< the point is; else nothing is known
+    const Group* group = nullptr;  ///< of this wall and body
     std::size_t first_other = 0, last_other = 0;
   };
 
@@ -83,13 +93,16 @@ class Seams {
     BodyId id;
     WallPiece piece;     ///< where it is, with its shift
     Vec3 shift;          ///< of the image [m]; zero: the wall itself
-    Group held;          ///< what the body touches of it
+    const Group* held;   ///< what the body touches of it
     double level = 0.0;  ///< closer is touching, lower is level [m]
     bool free = false;   ///< it or the wall
     Aabb box{};          ///< of the piece, where both are held
   };
 
   void list_groups(const World& world, const ContactSet& contacts);
+  void find_level(const World& world, const ContactSet& contacts);
+  void add_points(const ContactSet& contacts, const Group& group, Slot body);
+  bool is_level(const ContactSet& contacts, const Group& group, Slot body) const;
   void consider(const World& world, const ContactSet& contacts, const Group& group);
   bool may_be_near(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b,
                    std::span<const Other> others) const;
@@ -99,7 +112,6 @@ class Seams {
   }
   void list_others(const World& world, const ContactSet& contacts, const Group& group, bool wall_is_b);
   void add_other(const World& world, const ContactSet& contacts, const Group& group, bool wall_is_b, const Group& held);
-  static double depth_of(const ContactSet& contacts, const Group& group);
   double near_of(Slot wall, Slot body) const;
   Candidate candidate(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b) const;
   WallPiece piece_at(const Candidate& c, const Vec3& point) const;
@@ -114,9 +126,12 @@ class Seams {
   bool solids_ = false;                ///< some shape has parts
   bool joins_ = false;                 ///< there are bodies with flat faces that may touch
   std::vector<std::uint8_t> flat_;     ///< by slot: has flat faces
+  std::vector<std::uint8_t> convex_;   ///< by slot: lies behind each of its contact planes
   std::vector<double> radius_;         ///< by slot: of the bounding sphere [m]
   std::vector<double> deepest_;        ///< by slot: overlap of the contacts of free bodies [m]
   Lists of_body_;                      ///< places in groups_
+  Lists level_;                        ///< of_body_, of those that may have level neighbours
+  Points points_;                      ///< of one body
   std::vector<Group> groups_;          ///< with a body of flat faces, in the order of the contacts
   std::vector<Candidate> candidates_;  ///< in the order of the contacts
   std::vector<Other> others_;          ///< of the candidates

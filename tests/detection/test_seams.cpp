@@ -331,3 +331,44 @@ TEST_CASE("the parts of a solid are one surface, for what slides on it and for i
     CHECK_THAT(deepest(found), WithinAbs(depth, 1e-9));
   }
 }
+
+namespace {
+
+/// Free capsules that overlap at random, some side by side: one beside the next, as if they were planks of a floor.
+void add_capsules(Setting& s, Random& random) {
+  for (int row = 0; row < 3; ++row)
+    for (int k = 0; k < 6; ++k) {
+      const double wide = random.uniform(0.095, 0.1), high = row == 1 ? 0.095 : 0.0;
+      const Quat turn =
+          row == 2 ? testing::random_turn(random) : Quat(Eigen::AngleAxisd(0.5 * testing::pi, Vec3::UnitX()));
+      s.add_body(Capsule(0.05, random.uniform(0.1, 0.4)),
+                 {Vec3(k * wide, random.uniform(0, 0.1), high + 0.09 * row), turn});
+    }
+}
+
+}  // namespace
+
+TEST_CASE("free capsules are no walls to their neighbours: what they meet is left as it is", "[detection][seams]") {
+  Random random(17, 0);
+  std::size_t seen = 0;
+  for (int k = 0; k < 50; ++k) {
+    Setting s(random);
+    if (k % 2 == 0) s.add(HalfSpace{Vec3::UnitZ()}, {Vec3(0, 0, -0.049), Quat(1, 0, 0, 0)});
+    add_capsules(s, random);
+    PairList list;
+    list.generation = 1;
+    for (Slot a = 0; a < s.world.size(); ++a)
+      for (Slot b = a + 1; b < s.world.size(); ++b) list.pairs.push_back({a, b});
+    BatchNarrowPhase narrow(s.shapes, 0.0, false);
+    narrow.join_walls();
+    ContactSet found;
+    narrow.collide(s.world, list, found);
+    const ContactSet met = found;
+    narrow.unite(s.world, found);
+    seen += met.size();
+    REQUIRE(found.feature == met.feature);
+    REQUIRE(found.gap == met.gap);
+    REQUIRE(found.normal == met.normal);
+  }
+  CHECK(seen > 1000);
+}
