@@ -303,6 +303,37 @@ TEST_CASE("a box that leans is not stopped where its front comes over the next t
   }
 }
 
+TEST_CASE("a joint that leans does not stop a body that comes over it", "[detection][seams]") {
+  Random random(18, 0);
+  for (int k = 0; k < 400; ++k) {
+    Setting s(random);
+    const double lean = random.uniform(-1.0, 1.0), low = random.uniform(-5e-7, 0.0), high = random.uniform(-5e-7, 0.0);
+    for (const double side : {-1.0, 1.0}) {
+      std::vector<Vec3> corners;
+      for (const double y : {-1.0, 1.0})
+        corners.insert(corners.end(), {Vec3(0, y, 0), Vec3(side, y, 0), Vec3(-0.2 * std::tan(lean), y, -0.2),
+                                       Vec3(side - 0.2 * std::tan(lean), y, -0.2)});
+      const Vec3 centre = 0.125 * std::accumulate(corners.begin(), corners.end(), Vec3(Vec3::Zero()));
+      for (Vec3& c : corners) c -= centre;
+      const HullSurface surface = hull_from_points(corners);
+      s.add(ConvexHull::from_faces(surface.vertices, surface.faces).hull,
+            {centre + Vec3(0, 0, side < 0.0 ? low : high), Quat(1, 0, 0, 0)});
+    }
+    const double ahead = random.uniform(-5e-3, 5e-3), rise = low + random.uniform(-1e-7, 1e-7);
+    const Quat along(Eigen::AngleAxisd(0.5 * testing::pi, Vec3::UnitX()));
+    if (k % 3 == 0)
+      s.add_body(block(Vec3(0.2, 0.2, 0.2)), {Vec3(-0.1 + ahead, 0, 0.1 + rise), Quat(1, 0, 0, 0)});
+    else if (k % 3 == 1)
+      s.add_body(Sphere{0.1}, {Vec3(6.0 * ahead, 0, 0.1 + rise), Quat(1, 0, 0, 0)});
+    else
+      s.add_body(Cylinder(0.1, 0.2), {Vec3(6.0 * ahead, 0, 0.1 + rise), along});
+    const ContactSet found = s.contacts(6e-3);  // as non-smooth contact foresees
+    INFO("draw " << k << ", lean " << lean << ", tops " << low << " " << high << ", ahead " << ahead);
+    REQUIRE(found.size() > 0);
+    for (const Vec3& n : found.normal) CHECK(n.dot(s.up()) > 0.99);
+  }
+}
+
 TEST_CASE("the parts of a solid are one surface, for what slides on it and for itself", "[detection][seams]") {
   Random random(13, 0);
   for (int k = 0; k < 100; ++k) {
