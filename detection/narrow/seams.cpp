@@ -9,8 +9,9 @@ namespace epafi {
 
 namespace {
 
-constexpr std::size_t most_of_free = 64;  // all pairs of them are looked at
-constexpr double leaning = 0.01;          // of the body's radius: far more than what counts as level
+constexpr std::size_t most_of_free = 64;     // all pairs of them are looked at
+constexpr double level_cosine = 1.0 - 5e-9;  // stones that settle turn by 1e-6, a joint of 1e-4 stops nothing
+constexpr double leaning = 0.01;             // of the body's radius: far more than what counts as level
 
 ShapeRef shape_of(const World& world, Slot s) { return ShapeRef{world.shape[s]}; }
 
@@ -300,7 +301,6 @@ Seams::Candidate Seams::candidate(const World& world, const ContactSet& contacts
     const Vec3 n = side_normal(shapes_, piece, point, c.normal, c.near);
     // the point of a round end stands for its rim, and may be in the wall
     if (height < -c.near && height > -2.0 * c.near - out) c.point -= height * n;
-    c.of_body = c.point + std::max(0.0, contacts.gap[i]) * c.normal;
     if (!same_direction(n, c.normal)) c.normal = n;
     break;
   }
@@ -358,9 +358,9 @@ bool Seams::is_given_before(const ContactSet& contacts, const Candidate& c) cons
 }
 
 /// One of the body's contacts with the other wall has a normal of the union at the point, and the wall in question
-/// gives another one there, or the same once more. A body that is about to meet a joint that leans meets it below the
-/// surface: what counts is whether the body is above that. Of free neighbours each has what lies flat on it: their
-/// loads differ.
+/// gives another one there, or the same once more. A body that is about to meet a joint that leans would meet it below
+/// the surface that holds it: what counts is how high the wall stands there. Of free neighbours each has what lies flat
+/// on it: their loads differ.
 bool Seams::holds_instead(const World& world, const ContactSet& contacts, const Candidate& c,
                           const Other& other) const {
   const bool beyond = goes_beyond(shapes_, other.piece, c.point, c.normal, other.level);
@@ -368,6 +368,7 @@ bool Seams::holds_instead(const World& world, const ContactSet& contacts, const 
   const std::size_t begin = other.held->begin, end = other.held->end;
   // the body may lean: where it has the wall it is not as deep as at the point
   const double deep = other.level + other.held->depth;
+  const bool foreseen = contacts.gap[c.contact] > 0.0;
   for (std::size_t k = begin; k < end; ++k) {
     if (k == c.contact || hidden_[k] != 0) continue;
     const Candidate held = candidate(world, contacts, k, contacts.b[k] == other.wall);
@@ -377,9 +378,14 @@ bool Seams::holds_instead(const World& world, const ContactSet& contacts, const 
     // several points: the body lies on it, and may lean; at the wall's edges too its side says the normal
     const bool flat = end - begin > 1 && held.on_wall;
     const Vec3 n = flat ? side_normal(shapes_, held.piece, held.point, held.normal, -infinity) : held.normal;
-    if (beyond && !goes_beyond(shapes_, other.piece, c.of_body, n, deep) &&
-        !goes_beyond(shapes_, c.piece, c.of_body, n, deep))
-      return true;
+    if (!beyond) continue;
+    Vec3 at = c.point;
+    if (foreseen && held.on_wall) at += std::max(0.0, n.dot(held.point + other.shift - at)) * n;
+    const auto ends_at = [&](const WallPiece& piece) {
+      const Vec3 own = side_normal(shapes_, piece, at, n, -infinity);
+      return !goes_beyond(shapes_, piece, at, own.dot(n) > level_cosine ? own : n, deep);
+    };
+    if (ends_at(other.piece) && ends_at(c.piece)) return true;
   }
   return false;
 }

@@ -82,7 +82,6 @@ class Seams {
     Vec3 point = Vec3::Zero();     ///< on the wall where it is itself, not at an image
     Vec3 normal = Vec3::Zero();    ///< out of it
     double near = 0.0;             ///< [m]: closer is touching
-    Vec3 of_body = Vec3::Zero();   ///< the point, or that of a body that is about to meet it
     bool on_wall = false;          ///< the point is; else nothing is known
     const Group* group = nullptr;  ///< of this wall and body
     std::size_t first_other = 0, last_other = 0;
