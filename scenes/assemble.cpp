@@ -55,7 +55,7 @@ void add_loads(Assembly& a) {
 
 void add_outlets(Assembly& a) {
   // the steps of impulses are a hundred times as long as those of forces, and cost more
-  const int steps = a.scene.contact.method.value == Method::smooth ? 20 : 1;
+  const int steps = a.scene.contact.method.value == Method::smooth ? 50 : 1;
   for (const auto& o : a.scene.outlets)
     a.simulation->events.push_back(std::make_unique<Outlet>(o.name, o.region.min, o.region.max, steps));
 }
