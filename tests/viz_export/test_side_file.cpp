@@ -1,6 +1,11 @@
 #include "viz_export/files/side_file.h"
 
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <fstream>
+#include <iterator>
+#include <vector>
 
 #include "engine/units/error.h"
 #include "tests/support/catch.h"
@@ -28,6 +33,35 @@ TEST_CASE("writing where there is no folder is an error with path and cause", "[
   CHECK_THROWS_WITH(write_whole_file(folder / "no/a.txt", {"x"}),
                     Catch::Contains("no/a.txt") && Catch::Contains("No such file"));
   CHECK_THROWS_AS(read_whole_file(folder / "a.txt"), FileError);
+}
+
+TEST_CASE("several processes write one file at the same time, each whole", "[viz_export]") {
+  const TemporaryFolder folder;
+  const auto file = folder / "study.json";
+  constexpr int writers = 4;
+  std::vector<pid_t> children;
+  for (int k = 0; k < writers; ++k) {
+    const pid_t child = ::fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+      bool good = true;
+      try {
+        for (int n = 0; n < 200; ++n) write_whole_file(file, {std::string(1000, static_cast<char>('a' + k))});
+      } catch (const FileError&) {
+        good = false;
+      }
+      ::_exit(good ? 0 : 1);
+    }
+    children.push_back(child);
+  }
+  for (const pid_t child : children) {
+    int status = 0;
+    REQUIRE(::waitpid(child, &status, 0) == child);
+    CHECK(status == 0);
+  }
+  const std::string text = read_whole_file(file);
+  CHECK(text == std::string(1000, text.front()));
+  CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
 TEST_CASE("a device is written to and stays what it is", "[viz_export]") {

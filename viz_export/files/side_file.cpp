@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -31,9 +32,9 @@ void sync_to_disk(const std::filesystem::path& path) {
   if (!done) fail(path, "sync to disk");
 }
 
-SideFile::SideFile(std::filesystem::path target)
+SideFile::SideFile(std::filesystem::path target, const std::string& ending)
     : target_(std::move(target)),
-      side_(target_.string() + ".part"),
+      side_(target_.string() + ending),
       aside_(!std::filesystem::exists(target_) || std::filesystem::is_regular_file(target_)) {
   if (!aside_) side_ = target_;
 }
@@ -54,7 +55,8 @@ void SideFile::commit(bool durable) {
 
 void write_whole_file(const std::filesystem::path& target, std::initializer_list<std::string_view> parts,
                       bool durable) {
-  SideFile side(target);
+  static std::atomic<unsigned> written{0};
+  SideFile side(target, "." + std::to_string(::getpid()) + "-" + std::to_string(written++) + ".part");
   errno = 0;
   std::ofstream out(side.path(), std::ios::binary);
   if (!out) fail(target, "create");

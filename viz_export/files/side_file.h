@@ -10,7 +10,8 @@ namespace epafi {
 class SideFile {
  public:
   /// `target` is where the file shall stand; write to path() and commit. A device (/dev/null) is written to as it is.
-  explicit SideFile(std::filesystem::path target);
+  /// ending: of the side file's name; one of its own for a file that several processes may write at the same time.
+  explicit SideFile(std::filesystem::path target, const std::string& ending = ".part");
   ~SideFile();  ///< without a commit the side file is removed and the target is as it was
   SideFile(const SideFile&) = delete;
   SideFile& operator=(const SideFile&) = delete;
@@ -25,7 +26,8 @@ class SideFile {
   bool committed_ = false;
 };
 
-/// Writes the parts one behind the other to `target`, through a side file.
+/// Writes the parts one behind the other to `target`, through a side file of its own: of several writers the last one
+/// counts.
 void write_whole_file(const std::filesystem::path& target, std::initializer_list<std::string_view> parts,
                       bool durable = false);
 

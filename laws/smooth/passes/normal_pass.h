@@ -53,7 +53,7 @@ struct NormalPass {
       c.normal_stiffness = r.stiffness;
       c.grip = at_least<n>(r.force + r.adhesion, 0.0);
       c.viscous = (r.force - r.elastic_force) * velocity_after<V>(at.step, at.approach_velocity, at.middle_velocity,
-                                                                  {at.overlap, r.force, r.elastic_force, r.stiffness});
+                                                                  {at.overlap, r.force, r.stiffness});
       if (call.tells_energy) c.elastic = r.energy;
     });
   }

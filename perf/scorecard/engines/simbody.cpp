@@ -1,6 +1,7 @@
-/// @file simbody.cpp  Simbody, double precision: compliant contact (Hertz and Hunt-Crossley for spheres, penalties at the corners of a
-/// brick on a half-space), friction of Hollars, integrator with error control. DT is the interval of reports; steps within it are Simbody's.
-/// Options: accuracy=A of the integrator, transition=V [m/s] below which friction creeps, speed=V [m/s] of impacts that have the restitution.
+/// @file simbody.cpp  Simbody, double precision: compliant contact (Hertz and Hunt-Crossley for spheres, penalties at
+/// the corners of a brick on a half-space), friction of Hollars, integrator with error control. DT is the interval of
+/// reports; steps within it are Simbody's. Options: accuracy=A of the integrator, transition=V [m/s] below which
+/// friction creeps, speed=V [m/s] of impacts that have the restitution.
 #include <Simbody.h>
 
 #include "driver.h"
@@ -14,7 +15,10 @@ Vec3 vector(const scorecard::Vec& v) { return {v[0], v[1], v[2]}; }
 class SimbodyEngine final : public scorecard::Engine {
  public:
   SimbodyEngine(const scorecard::Scene& scene, const scorecard::Options& options)
-      : scene_(scene), dt_(options.dt), speed_(options.number("speed", 1.0)), weight_(forces_, matter_, vector(scene.gravity)) {
+      : scene_(scene),
+        dt_(options.dt),
+        speed_(options.number("speed", 1.0)),
+        weight_(forces_, matter_, vector(scene.gravity)) {
     contact_.setTransitionVelocity(options.number("transition", 0.01));
     for (const auto& plane : scene.planes) add_plane(plane);
     for (const auto& body : scene.bodies) add_body(body);
@@ -32,7 +36,8 @@ class SimbodyEngine final : public scorecard::Engine {
     const State& state = integrator_->getState();
     system_.realize(state, Stage::Velocity);
     const MobilizedBody& b = bodies_[body];
-    const Vec3 x = b.getBodyOriginLocation(state), v = b.getBodyOriginVelocity(state), w = b.getBodyAngularVelocity(state);
+    const Vec3 x = b.getBodyOriginLocation(state), v = b.getBodyOriginVelocity(state),
+               w = b.getBodyAngularVelocity(state);
     const Vec4 q = b.getBodyRotation(state).convertRotationToQuaternion().asVec4();
     return {x[0], x[1], x[2], q[0], q[1], q[2], q[3], v[0], v[1], v[2], w[0], w[1], w[2]};
   }
@@ -87,6 +92,7 @@ class SimbodyEngine final : public scorecard::Engine {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return scorecard::run(
-      argc, argv, [](const auto& scene, const auto& options) { return std::make_unique<SimbodyEngine>(scene, options); });
+  return scorecard::run(argc, argv, [](const auto& scene, const auto& options) {
+    return std::make_unique<SimbodyEngine>(scene, options);
+  });
 }
