@@ -10,6 +10,7 @@ import tempfile
 from grains import arguments
 
 AXES = "xyz"
+SKIN = 0.4  # of the least radius: with a quarter of it grains that fall renew all lists in every other step
 LONG = 5.0  # s: a run that takes so long counts itself, since a few poses are nothing beside it
 
 
@@ -65,7 +66,7 @@ def script(grains, dt, steps, every, style):
     # cells by the largest pair would hold hundreds of small grains: by types where sizes differ much
     bins = "multi" if max(radii) > 2 * min(radii) else "bin"
     lines = ["units si", "atom_style sphere", "atom_modify map array sort 1000 0", "boundary f f f", "newton on", "comm_modify vel yes",
-             "read_data grains.data", *grains_and_walls(grains, style), "neighbor %.9g %s" % (0.1 * min(radii), bins),
+             "read_data grains.data", *grains_and_walls(grains, style), "neighbor %.9g %s" % (SKIN * min(radii), bins),
              "neigh_modify delay 0 every 1 check yes", "timestep %.17g" % dt, "fix move all nve/sphere"]
     if gravity > 0:
         lines.append("fix weight all gravity %.17g vector %s" % (gravity, " ".join("%.17g" % (g / gravity) for g in grains.gravity)))

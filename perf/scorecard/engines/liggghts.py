@@ -7,7 +7,7 @@ import subprocess
 import tempfile
 
 from grains import arguments
-from lammps import LONG, data, poses_of
+from lammps import LONG, SKIN, data, poses_of
 
 AXES = "xyz"
 
@@ -62,7 +62,7 @@ def script(grains, dt, steps, every):
     soft = min(m for m, _ in grains.materials) < 5e6
     lines = ["atom_style granular", "atom_modify map array sort 1000 0", "boundary f f f", "newton off", "communicate single vel yes", "units si"]
     lines += ["hard_particles yes"] * hard + ["soft_particles yes"] * soft
-    lines += ["read_data grains.data", "neighbor %.9g %s" % (0.2 * min(radii), "multi" if max(radii) > 2 * min(radii) else "bin"),
+    lines += ["read_data grains.data", "neighbor %.9g %s" % (SKIN * min(radii), "multi" if max(radii) > 2 * min(radii) else "bin"),
               "neigh_modify delay 0 every 1 check yes", *laws(grains), "pair_style gran model hertz tangential history", "pair_coeff * *"]
     if gravity > 0:
         lines.append("fix weight all gravity %.17g vector %s" % (gravity, " ".join("%.17g" % (g / gravity) for g in grains.gravity)))

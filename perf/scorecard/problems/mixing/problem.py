@@ -18,7 +18,7 @@ DURATION = 0.15
 EVERY = 0.01
 SMALL, LARGE, DRUM, HALF = 1e-3, 2e-3, 0.1, 0.03
 REFERENCE, SCATTER = 0.1, 0.01
-SETTINGS = {"Epafi smooth": ["", "dt=4e-5", "dt=2e-5"], "LAMMPS": ["dt=4e-5", "dt=2e-5"], "LIGGGHTS": ["dt=4e-5", "dt=2e-5"], "YADE": ["dt=4e-5"]}
+SETTINGS = {"Epafi smooth": ["", "dt=2e-5"], "LAMMPS": ["dt=2e-5"], "LIGGGHTS": ["dt=2e-5"], "YADE": ["dt=2e-5"]}
 OTHERS = "a problem of granular codes: tens of thousands of spheres of 2 and 4 mm"
 M1 = Material("M1", 2500.0, 2e6)
 M2 = Material("M2", 2000.0, 1e6)

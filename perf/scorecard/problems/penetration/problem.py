@@ -14,7 +14,7 @@ DURATION = 0.025
 EVERY = 0.005
 RADIUS, BALL, SPEED = 1e-3, 0.01, 5.0
 REFERENCE, SCATTER = 0.0, 0.01
-SETTINGS = {"Epafi smooth": ["", "dt=5e-6", "dt=2.5e-6"], "LAMMPS": ["dt=5e-6", "dt=2.5e-6"], "LIGGGHTS": ["dt=5e-6", "dt=2.5e-6"], "YADE": ["dt=5e-6"]}
+SETTINGS = {"Epafi smooth": ["", "dt=5e-6"], "LAMMPS": ["dt=5e-6"], "LIGGGHTS": ["dt=5e-6"], "YADE": ["dt=5e-6"]}
 OTHERS = "a problem of granular codes: twenty thousand spheres of 2 mm"
 GRAIN = Material("M1", 2500.0, 1e7)
 STEEL = Material("steel", 7200.0, 1e8)
