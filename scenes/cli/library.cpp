@@ -56,6 +56,7 @@ bool looks_like_scene(const fs::path& file) {
   std::ifstream in(file);
   std::string line;
   for (std::size_t k = 0; k < most_lines && std::getline(in, line); ++k) {
+    if (line.find('\0') != line.npos) return false;  // no text: the scene of a run stands in its run.h5 too
     line.erase(0, line.find_first_not_of(" \t["));
     for (const char* word : {"run", "world", "body", "bodies", "fill", "material", "contact", "shape", "measure",
                              "scene", "patch", "vary", "include", "params"}) {

@@ -249,7 +249,7 @@ void refuse_unknown(const std::vector<std::string>& wanted, const std::set<std::
 
 int command_watch(const std::string& directory, const std::vector<std::string>& chosen) {
   const fs::path folder(directory);
-  if (!fs::exists(folder / "measures.csv")) throw FileError(no_run_text(folder, "watch"));
+  if (!fs::exists(folder / "measures.csv")) throw FileError(no_run_text(folder, "watch", "measures.csv"));
   const bool terminal = isatty(STDOUT_FILENO) == 1;
   const SignalWatch signals;
   Watched watched{MeasureTail(folder / "progress.csv"), MeasureTail(folder / "measures.csv", chosen),

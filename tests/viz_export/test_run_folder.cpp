@@ -10,6 +10,7 @@
 #include "tests/support/catch.h"
 #include "tests/viz_export/small_scene.h"
 #include "tests/viz_export/temporary_folder.h"
+#include "viz_export/files/page_target.h"
 #include "viz_export/files/run_folder.h"
 #include "viz_export/files/run_mark.h"
 #include "viz_export/files/side_file.h"
@@ -19,6 +20,7 @@
 #include "viz_export/measures/measure_rows.h"
 #include "viz_export/measures/measures_csv.h"
 #include "viz_export/report/report.h"
+#include "viz_export/report/report_table.h"
 #include "viz_export/view/view_source.h"
 
 using namespace epafi;
@@ -235,4 +237,49 @@ TEST_CASE("a run file cut at any place is told in plain words, with what still s
   CHECK_THROWS_WITH(StoredRun(path), Contains("run.h5: is empty"));
   std::ofstream(folder / "summary.json") << "{}";
   CHECK_THROWS_WITH(StoredRun(path), Contains("`epafi run` with the scene makes it again"));
+}
+
+TEST_CASE("what reads another file of a run says that this one is missing", "[viz_export]") {
+  const TemporaryFolder folder;
+  for (const char* file : {"run.h5", "summary.json"}) std::ofstream(folder / file) << "x";
+  const std::string text = no_run_text(folder.path(), "watch", "measures.csv");
+  CHECK_THAT(text, Contains("measures.csv is missing") && Contains("run.h5 is there"));
+  fs::remove(folder / "run.h5");
+  CHECK_THAT(no_run_text(folder.path(), "watch", "measures.csv"), Contains("run.h5 is missing"));
+}
+
+TEST_CASE("pages have the ending of pages", "[viz_export]") {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.html", "b.HTM", "c.x.html"}) CHECK_NOTHROW(require_page_target(folder / name));
+  for (const char* name : {"a.pdf", "b", "c.html.pdf", "d.png", "e."}) {
+    INFO(name);
+    CHECK_THROWS_WITH(require_page_target(folder / name), Contains("expected an ending .html"));
+  }
+  CHECK_NOTHROW(require_page_target("/dev/null"));
+}
+
+TEST_CASE("the page of unfinished limits counts its cases as its table has them", "[viz_export][run_folder]") {
+  std::mt19937 random(36);
+  for (int round = 0; round < 6; ++round) {
+    const TemporaryFolder folder;
+    const std::size_t cases = 1 + random() % 8;
+    for (std::size_t k = 0; k < cases; ++k) {
+      const fs::path one = folder / fmt::format("penalty_step={}", k);
+      fs::create_directories(one);
+      std::ofstream(one / "summary.json") << "{\"status\": \"" << (k % 3 == 2 ? "failed" : "completed") << "\"}";
+    }
+    write_study_mark(folder.path(), {"limits", "epafi limits a.toml"});
+    const std::string page = read_whole_file(write_report(folder.path(), ""));
+    CHECK_THAT(page, Contains(fmt::format(": {} case{}</p>", cases, cases > 1 ? "s" : "")));
+    CHECK_THAT(page, Contains(fmt::format("{} of its cases ha{} ended", cases, cases > 1 ? "ve" : "s")));
+  }
+}
+
+TEST_CASE("tables write six digits of numbers that have more", "[viz_export]") {
+  TableColumn column{"step", {"0.123456789012345", "3", "", "12345678", "1e-05"}};
+  column.shorten();
+  CHECK(column.cells == std::vector<std::string>{"0.123457", "3", "", "12345678", "1e-05"});
+  TableColumn words{"name", {"0.123456789012345", "steel"}};
+  words.shorten();
+  CHECK(words.cells.front() == "0.123456789012345");
 }

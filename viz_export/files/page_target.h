@@ -23,16 +23,27 @@ inline bool begins_as_page(const std::filesystem::path& file) {
   return text.starts_with("<!doctype html") || text.starts_with("<html");
 }
 
-/// A page replaces nothing but a page: SceneError where the target is a folder, or a file that holds anything else.
-/// Devices and empty files hold nothing that could be lost.
+/// Whether a name is that of a page: what opens a file by its ending would open anything else with the wrong program.
+inline bool is_page_name(const std::filesystem::path& target) {
+  std::string ending = target.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending == ".html" || ending == ".htm";
+}
+
+/// A page replaces nothing but a page: SceneError where the target is a folder, a file that holds anything else, or has
+/// another ending. Devices and empty files hold nothing that could be lost.
 inline void require_page_target(const std::filesystem::path& target) {
   std::error_code none;
   const std::string name = "--out " + target.string();
   if (std::filesystem::is_directory(target, none))
     throw SceneError(name + ": it is a folder; expected the name of a page, as page.html");
-  if (!std::filesystem::is_regular_file(target, none) || std::filesystem::file_size(target, none) == 0) return;
-  if (!begins_as_page(target))
+  const bool is_file = std::filesystem::is_regular_file(target, none);
+  if (is_file && std::filesystem::file_size(target, none) > 0 && !begins_as_page(target))
     throw SceneError(name + ": this file is no HTML page and is left as it is; choose another name for the page");
+  const bool is_device = std::filesystem::exists(target, none) && !is_file;
+  if (!is_device && !is_page_name(target))
+    throw SceneError(name + ": expected an ending .html: what is written is a page for the browser" +
+                     (target.extension() == ".pdf" ? ", which prints it as PDF" : ""));
 }
 
 /// SceneError where the target is the input itself, by whatever name.

@@ -101,7 +101,7 @@ std::string no_run_at_all(const fs::path& folder) {
 
 }  // namespace
 
-std::string no_run_text(const fs::path& folder, const std::string& command) {
+std::string no_run_text(const fs::path& folder, const std::string& command, const std::string& file) {
   std::error_code none;
   const std::string name = folder.string();
   if (!fs::exists(folder, none)) return "there is no folder '" + name + "'";
@@ -113,6 +113,10 @@ std::string no_run_text(const fs::path& folder, const std::string& command) {
     return "'" + name + "' is a file" +
            (in_run ? " of the run in '" + around.string() + "'" + whole
                    : "; `epafi " + command + "` takes the output folder of a run");
+  const bool has_run = fs::exists(folder / "run.h5", none);
+  if (has_run && file != "run.h5")
+    return "'" + name + "' is the folder of a run, but " + file + " is missing, which `epafi " + command +
+           "` reads; run.h5 is there: `epafi view " + name + "` and `epafi report " + name + "` show the run";
   if (was_run(folder)) return "'" + name + "' is the folder of a run, but run.h5 is missing" + what_is_left(folder);
   if (in_run) return "'" + name + "' is a part of the run in '" + around.string() + "'" + whole;
   const bool is_study = !runs_in(folder).empty() || !files_with(folder, ".csv").empty();

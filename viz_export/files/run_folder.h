@@ -22,6 +22,8 @@ namespace epafi {
 [[nodiscard]] std::string what_is_left(const std::filesystem::path& folder);
 
 /// Why the folder cannot be opened as a run, and what takes it instead. command: that was asked for, as "view".
-[[nodiscard]] std::string no_run_text(const std::filesystem::path& folder, const std::string& command);
+/// file: without which it cannot.
+[[nodiscard]] std::string no_run_text(const std::filesystem::path& folder, const std::string& command,
+                                      const std::string& file = "run.h5");
 
 }  // namespace epafi

@@ -24,7 +24,14 @@ std::vector<TableColumn> override_columns(const std::vector<ReportCase>& cases) 
   for (const std::string& key : keys) {
     TableColumn column{key};
     for (const ReportCase& one : cases) column.cells.push_back(one.set.contains(key) ? one.set.at(key) : "");
-    if (column.differs() || cases.size() == 1) out.push_back(std::move(column));
+    if (!column.differs() && cases.size() != 1) continue;
+    TableColumn few = column;
+    few.shorten();
+    // digits that tell cases apart stay
+    const bool alike =
+        std::set(few.cells.begin(), few.cells.end()).size() < std::set(column.cells.begin(), column.cells.end()).size();
+    if (!alike) column = std::move(few);
+    out.push_back(std::move(column));
   }
   return out;
 }

@@ -100,16 +100,28 @@ std::string title_of(const fs::path& folder) {
   return {};
 }
 
+bool has_ended(const ReportCase& one) {
+  const std::string status = one.summary.text("status");
+  return status != "running" && status != "cut";
+}
+
 /// On top: what is still to come of a chart, limits or sweep.
 std::string unfinished(const fs::path& folder, const std::vector<ReportCase>& cases) {
   const auto mark = read_study_mark(folder);
   if (!mark) return {};
-  const auto ended = std::count_if(cases.begin(), cases.end(), [](const ReportCase& one) {
-    const std::string status = one.summary.text("status");
-    return one.name.starts_with("case_") && status != "running" && status != "cut";
+  // those of limits are named by what they are; beside the others may lie runs that are compared with
+  const auto ended = std::count_if(cases.begin(), cases.end(), [&](const ReportCase& one) {
+    return has_ended(one) && (mark->kind == "limits" || one.name.starts_with("case_"));
   });
   const std::string text = unfinished_text(*mark, static_cast<std::size_t>(ended));
   return text.empty() ? text : "<p class='warning'>" + html_escaped(text) + "</p>";
+}
+
+/// "heap: 12 cases, 3 of them without an end yet"
+std::string count_text(const std::string& title, const std::vector<ReportCase>& cases) {
+  const auto open = std::count_if(cases.begin(), cases.end(), [](const ReportCase& one) { return !has_ended(one); });
+  const std::string rest = open > 0 ? fmt::format(", {} of them without an end yet", open) : "";
+  return fmt::format("{}: {} case{}{}", title, cases.size(), cases.size() > 1 ? "s" : "", rest);
 }
 
 /// What belongs to the chart above it: its points, or those of the limits.
@@ -142,9 +154,7 @@ fs::path write_folder_report(const fs::path& folder, const fs::path& wanted) {
   std::string scene = title_of(folder);
   if (scene.empty() && !cases.empty()) scene = html_escaped(cases.front().title);
   std::string html = "<h1>" + (scene.empty() ? html_escaped(title) : scene) + "</h1>";
-  if (!cases.empty())
-    html +=
-        fmt::format("<p class='sub'>{}: {} case{}</p>", html_escaped(title), cases.size(), cases.size() > 1 ? "s" : "");
+  if (!cases.empty()) html += "<p class='sub'>" + html_escaped(count_text(title, cases)) + "</p>";
   const fs::path results = folder / "patch.csv";  // of `epafi patch --maps`: what the maps belong to
   html += unfinished(folder, cases);
   html += (fs::exists(results) ? csv_html(results) : "") + drawings_in(folder) + warnings_html(cases);

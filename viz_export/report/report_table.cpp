@@ -101,6 +101,12 @@ bool TableColumn::is_numeric() const {
   return says_something() && std::all_of(cells.begin(), cells.end(), fits);
 }
 
+void TableColumn::shorten() {
+  if (!is_numeric()) return;
+  for (std::string& cell : cells)
+    if (!cell.empty()) cell = shortened(cell);
+}
+
 std::string table_html(const std::vector<TableColumn>& columns, std::size_t most, const std::string& empty) {
   std::vector<const char*> kind;
   std::size_t rows = 0;
@@ -127,10 +133,7 @@ std::string table_html(const std::vector<TableColumn>& columns, std::size_t most
 std::string csv_html(const std::filesystem::path& path) {
   std::size_t rows = 0;
   std::vector<TableColumn> columns = csv_columns(path, rows);
-  for (TableColumn& column : columns)
-    if (column.is_numeric())
-      for (std::string& cell : column.cells)
-        if (!cell.empty()) cell = shortened(cell);
+  for (TableColumn& column : columns) column.shorten();
   const std::string below = rows > 0 && rows <= most_rows ? take_out_constants(columns) : "";
   std::string html = (columns.empty() ? "" : table_html(columns, most_rows, "")) + below;
   if (rows > most_rows) html += fmt::format("<p class='sub'>{} of {} rows</p>", most_rows, rows);

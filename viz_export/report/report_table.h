@@ -12,6 +12,7 @@ struct TableColumn {
   bool says_something() const;
   bool differs() const;     ///< its cells are not all the same
   bool is_numeric() const;  ///< it says numbers only
+  void shorten();           ///< numbers to six digits, whole ones as they are; nothing where it says others
 };
 
 /// The first `most` rows, in a box that is moved sideways where they are wide; `empty` stands for what is not said.
