@@ -97,6 +97,13 @@ std::size_t nearest_frame(const std::vector<double>& times, double wanted) {
   return best;
 }
 
+/// Of a film of one frame.
+std::string why_one(const ViewSource& source, const RenderRequest& request) {
+  const std::size_t frames = source.times().size();
+  if (frames == 1) return ", as the run has no more";
+  return fmt::format(" of {}, as --every {} leaves out the others", frames, request.every.value_or(1));
+}
+
 }  // namespace
 
 int command_render(const RenderRequest& request) {
@@ -116,11 +123,12 @@ int command_render(const RenderRequest& request) {
   if (is_film && request.time) throw SceneError("--time is for a picture (.png), not for a film");
   if (!is_film && request.every) throw SceneError("--every is for a film (.mp4, .webm), not for a picture");
   if (is_film) {
-    const auto [pictures, note] = render_film(*source, options, request.every.value_or(1), target);
+    const auto [pictures, rate, note] = render_film(*source, options, request.every.value_or(1), target);
     if (!note.empty()) tell("epafi: note: " + note);
+    if (pictures == 1) tell("epafi: note: the film stands still: it shows one frame" + why_one(*source, request));
     tell_warnings(*source);
-    tell(fmt::format("{}: {} picture{}, {:.3g} s at 25 per second", target.string(), pictures, pictures > 1 ? "s" : "",
-                     static_cast<double>(pictures) / 25));
+    tell(fmt::format("{}: {} picture{}, {:.3g} s at {:.3g} per second", target.string(), pictures,
+                     pictures > 1 ? "s" : "", static_cast<double>(pictures) / rate, rate));
     return exit_done;
   }
   const std::size_t frame = request.time ? nearest_frame(times, *request.time) : times.size() - 1;

@@ -301,3 +301,51 @@ TEST_CASE("long names stay in their places, and a phone has room for the slider"
     CHECK(b.number("document.getElementById('panel').scrollWidth - document.getElementById('panel').clientWidth") <= 0);
   }
 }
+
+TEST_CASE("a page far from the origin has the picture of the same bodies near it", "[viz_export][view][long]") {
+  if (!has_page()) return;
+  const TemporaryFolder folder;
+  support::Browser b(500, 400);
+  ShapeStore shapes;
+  const ShapeRef ground = shapes.add(HalfSpace{Vec3::UnitZ()});
+  const auto picture = [&](const Vec3& centre) {
+    const Surface square = surface_of(shapes, ground, 3.0, centre);
+    ViewFrame frame;
+    for (std::uint32_t k = 0; k < 5; ++k) frame.bodies.push_back(ball_of(k, centre + Vec3(0.3 * k, 0.1 * k, 0.1), 0.1));
+    frame.bodies.push_back(ball_of(5, Vec3(0, 0, centre.z()), 1.0));
+    frame.bodies.back().mass = 0;
+    frame.bodies.back().radius = std::numeric_limits<double>::infinity();
+    frame.bodies.back().surface = &square;
+    RunAbout about;
+    about.gravity = Vec3(0, 0, -9.81);
+    open_page(b, folder, *still_source("far", about, std::move(frame)));
+    std::istringstream said(b.text(R"((() => {
+      epafi.renderer.render(epafi.scene, epafi.camera);
+      const gl = epafi.renderer.getContext(), [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+      const pixels = new Uint8Array(4 * w * h);
+      gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+      const sums = new Array(64).fill(0);
+      for (let k = 0; k < w * h; ++k) sums[8 * Math.floor(8 * Math.floor(k / w) / h) + Math.floor(8 * (k % w) / w)] += pixels[4 * k] / (w * h / 64);
+      return sums.join(" ");
+    })())"));
+    std::vector<double> out;
+    for (double v = 0; said >> v;) out.push_back(v);
+    CHECK(b.complaints() == std::vector<std::string>{});
+    return out;
+  };
+  const std::vector<double> near = picture(Vec3::Zero());
+  REQUIRE(near.size() == 64);
+  CHECK(*std::min_element(near.begin(), near.end()) + 20 < *std::max_element(near.begin(), near.end()));
+  for (const double far : {1e3, 1e5, 1e6}) {
+    const std::vector<double> there = picture(Vec3(far, -0.7 * far, 0));
+    REQUIRE(there.size() == 64);
+    double worst = 0;
+    for (std::size_t k = 0; k < 64; ++k) worst = std::max(worst, std::abs(there[k] - near[k]));
+    INFO(far);
+    CHECK(worst < 1.0);
+    b.click(250, 200);  // what is picked tells where it is
+    CHECK(b.wait_for("epafi.picked"));
+    const double x = b.number("epafi.source.origin[0] + epafi.frame.place[0]");
+    CHECK(std::abs(x - far) < 1e-3);
+  }
+}

@@ -1,6 +1,7 @@
 #include "viz_export/report/report.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +14,7 @@
 #include "viz_export/files/side_file.h"
 #include "viz_export/hdf5/stored_run.h"
 #include "viz_export/measures/measure_units.h"
+#include "viz_export/measures/telling_rows.h"
 #include "viz_export/report/charts.h"
 #include "viz_export/report/html_text.h"
 #include "viz_export/report/report_folder.h"
@@ -34,7 +36,8 @@ struct Page {
   const FlatJson& summary;
   const StoredRun& run;
   const ViewSource& source;
-  bool drawn = true;  ///< gnuplot is there
+  const fs::path& parts;  ///< folder for files on the way
+  bool drawn = true;      ///< gnuplot is there
   std::string html{};
 
   std::string number(const std::string& name, const char* format = "{:.4g}") const {
@@ -137,7 +140,21 @@ std::string stage_at(const Page& p, double time) {
   return {};
 }
 
-/// Six frames of one camera, chosen by what happens between them; where contacts are few, those of the last one too.
+/// With the last frame of each stage of which none is shown, of so many stages as a page can hold.
+std::vector<std::size_t> with_each_stage(const Page& p, const std::vector<double>& times,
+                                         std::vector<std::size_t> shown) {
+  constexpr std::size_t most = 24;
+  std::map<std::string, std::size_t> last;  // frame of each stage
+  for (std::size_t k = 0; k < times.size(); ++k) last[stage_at(p, times[k])] = k;
+  for (const std::size_t k : shown) last.erase(stage_at(p, times[k]));
+  for (const auto& [stage, k] : last)
+    if (!stage.empty() && shown.size() < most) shown.push_back(k);
+  std::sort(shown.begin(), shown.end());
+  return shown;
+}
+
+/// Six frames of one camera, at least one of each stage, chosen by what happens between them; where contacts are few,
+/// those of the last one too.
 void pictures(Page& p, const ViewSource& source) {
   if (source.times().empty()) return;
   const Overview overview = look_over(source);
@@ -149,11 +166,12 @@ void pictures(Page& p, const ViewSource& source) {
   p.html += "<h2>Pictures</h2><div class='grid three'>";
   RunPainter painter(source, overview, options);
   const auto add = [&](RunPainter& by, std::size_t k, const std::string& what) {
+    const std::string strays = outside_text(by.outside(source.frame(k)));
     p.figure("<img alt='bodies' src='data:image/png;base64," + base64(png_of(by.paint(k))) + "'/>",
-             fmt::format("t = {} s{}{}", time_text(source.times(), source.times()[k]), stage_at(p, source.times()[k]),
-                         what));
+             fmt::format("t = {} s{}{}{}", time_text(source.times(), source.times()[k]), stage_at(p, source.times()[k]),
+                         what, strays.empty() ? "" : ", " + strays));
   };
-  const std::vector<std::size_t> shown = telling_frames(source, 6);
+  const std::vector<std::size_t> shown = with_each_stage(p, source.times(), telling_frames(source, 6));
   for (const std::size_t k : shown) add(painter, k, "");
   constexpr std::size_t few = 4000;
   const std::size_t contacts = source.frame(shown.back()).contacts.size();
@@ -202,7 +220,7 @@ bool plot(Page& p, const std::string& file, Course course) {
                         "time [s]",
                         course.axis,
                         {first, first + static_cast<std::ptrdiff_t>(std::min(left, curves_of_plot))}};
-    const fs::path path = p.folder / "report.part" / fmt::format("{}_{}", file, k);
+    const fs::path path = p.parts / fmt::format("{}_{}", file, k);
     if (!draw(part, path)) return false;
     std::string caption = course.title + ": " + course.axis;
     if (plots > 1) caption += fmt::format(" ({} of {})", k + 1, plots);
@@ -218,18 +236,26 @@ bool plot(Page& p, const std::string& file, Course course) {
 /// Plots for each quantity of the measure, with a curve per component that moves.
 void curves(Page& p, const std::string& name, const std::string& title, const StoredMeasure& m) {
   std::map<std::string, std::vector<PlotLine>> by_axis;
-  const std::size_t width = m.components.size(), stride = std::max<std::size_t>(1, m.times.size() / 2000);
+  const std::size_t width = m.components.size();
+  std::string still;
   for (std::size_t c = 0; c < width; ++c) {
     PlotLine line{m.components[c], {}, {}};
     bool moves = false;
-    for (std::size_t k = 0; k < m.times.size(); k += stride) {
+    for (const std::size_t k : telling_rows(m, c, 2000)) {
       const double v = m.values[k * width + c];
       if (!std::isfinite(v)) continue;
       line.points.push_back({m.times[k], v});
       moves = moves || v != line.points.front()[1];
     }
-    if (moves) by_axis[axis_label(measure_unit(m.kind, m.components[c]))].push_back(std::move(line));
+    if (moves)
+      by_axis[axis_label(measure_unit(m.kind, m.components[c]))].push_back(std::move(line));
+    else
+      still += (still.empty() ? "" : ", ") + m.components[c] +
+               (line.points.empty() ? " (no number)" : fmt::format(" = {:.6g}", line.points.front()[1]));
   }
+  if (!still.empty())
+    p.html +=
+        "<p class='sub'>" + escaped(title) + ": without a curve, as it does not change: " + escaped(still) + "</p>";
   int number = 0;
   for (auto& [axis, lines] : by_axis)
     p.drawn = p.drawn && plot(p, fmt::format("{}_{}", name, number++), {title, axis, std::move(lines)});
@@ -344,6 +370,35 @@ void settings(Page& p) {
 
 }  // namespace
 
+namespace {
+/// A folder beside the page, gone with this: the run's own may be one that is only read.
+class PartsFolder {
+ public:
+  explicit PartsFolder(const fs::path& page) {
+    if (!fs::is_regular_file(page) && fs::exists(page))  // a device: nothing lies beside it
+      path_ = fs::temp_directory_path() / fmt::format("epafi-report-{}", ::getpid());
+    else
+      path_ = fs::path(page) += fmt::format(".{}.part", ::getpid());
+    std::error_code error;
+    fs::create_directories(path_, error);
+    if (error)
+      throw FileError(page.string() + ": cannot write into '" +
+                      (page.has_parent_path() ? page.parent_path() : ".").string() + "': " + error.message() +
+                      "; `epafi report DIR --out PAGE.html` writes the page elsewhere");
+  }
+  ~PartsFolder() {
+    std::error_code none;
+    fs::remove_all(path_, none);
+  }
+  PartsFolder(const PartsFolder&) = delete;
+  PartsFolder& operator=(const PartsFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+}  // namespace
+
 fs::path write_report(const fs::path& folder, const fs::path& wanted) {
   const bool is_run = fs::exists(folder / "run.h5") || was_run(folder);
   if (!is_run && has_tables(folder)) return write_folder_report(folder, wanted);
@@ -353,8 +408,8 @@ fs::path write_report(const fs::path& folder, const fs::path& wanted) {
   const auto source = open_run(folder, "report");
   const FlatJson summary = run_facts(folder, *source);
   const StoredRun run(folder / "run.h5");
-  fs::create_directories(folder / "report.part");
-  Page page{folder, summary, run, *source};
+  const PartsFolder parts(target);
+  Page page{folder, summary, run, *source, parts.path()};
   head(page);
   warnings(page);
   const std::size_t below_warnings = page.html.size();
@@ -370,7 +425,6 @@ fs::path write_report(const fs::path& folder, const fs::path& wanted) {
   std::string unread;  // what could not be read is known by now
   for (const std::string& text : source->warnings()) unread += "<p class='warning'>" + escaped(text) + "</p>";
   page.html.insert(below_warnings, unread);
-  fs::remove_all(folder / "report.part");
   write_whole_file(target,
                    {"<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
                     "content='width=device-width'><title>",

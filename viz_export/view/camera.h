@@ -21,6 +21,7 @@ struct ViewBox {
     min = min.cwiseMin(other.min);
     max = max.cwiseMax(other.max);
   }
+  bool holds(const Vec3& p) const { return (p.array() >= min.array()).all() && (p.array() <= max.array()).all(); }
   Vec3 centre() const { return 0.5 * (min + max); }
   double diagonal() const { return (max - min).norm(); }
 };

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <vector>
 
@@ -16,9 +17,10 @@ namespace {
 
 constexpr int not_installed = 127;
 
-[[noreturn]] void become_ffmpeg(int from, const std::string& target, int width, int height) {
+[[noreturn]] void become_ffmpeg(int from, const std::string& target, int width, int height, double rate) {
   dup2(from, STDIN_FILENO);
   const std::string size = fmt::format("{}x{}", width, height);
+  const std::string in_thirds = fmt::format("{}/3", std::lround(3 * rate));  // exact, as ffmpeg wants it
   const bool webm = target.ends_with(".webm");
   const char* codec = webm ? "libvpx-vp9" : "libx264";
   const std::vector<const char*> words{"ffmpeg",
@@ -32,7 +34,7 @@ constexpr int not_installed = 127;
                                        "-s",
                                        size.c_str(),
                                        "-r",
-                                       "25",
+                                       in_thirds.c_str(),
                                        "-i",
                                        "-",
                                        "-an",
@@ -55,12 +57,12 @@ constexpr int not_installed = 127;
 
 }  // namespace
 
-Film::Film(std::filesystem::path target, int width, int height) : target_(std::move(target)) {
+Film::Film(std::filesystem::path target, int width, int height, double rate) : target_(std::move(target)) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw FileError("cannot make a pipe for ffmpeg");
   std::signal(SIGPIPE, SIG_IGN);  // a write then fails instead
   process_ = fork();
-  if (process_ == 0) become_ffmpeg(ends[0], std::filesystem::absolute(target_).string(), width, height);
+  if (process_ == 0) become_ffmpeg(ends[0], std::filesystem::absolute(target_).string(), width, height, rate);
   close(ends[0]);
   pipe_ = ends[1];
   if (process_ < 0) throw FileError("cannot start ffmpeg");

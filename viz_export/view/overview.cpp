@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include "viz_export/view/grounds.h"
 
@@ -30,47 +31,6 @@ bool is_finite(const Vec3& p) { return std::isfinite(p.x() + p.y() + p.z()); }
 /// Every so many bodies stand for all of a large run; what is left out between them is within a margin.
 std::size_t stride_of(const ViewFrame& frame) { return 1 + frame.bodies.size() / 20000; }
 
-/// Centres of free bodies without strays: beyond 1.5 times the extent of 98 % nobody counts, of more than 50 places.
-class FreeBox {
- public:
-  void add(const ViewFrame& frame) {
-    const std::size_t stride = stride_of(frame);
-    for (std::size_t k = 0; k < frame.bodies.size(); k += stride) {
-      const BodyRecord& b = frame.bodies[k];
-      if (b.is_wall() || !is_finite(b.pose.position) || !std::isfinite(b.radius)) continue;
-      for (int axis = 0; axis < 3; ++axis) places_[axis].push_back(b.pose.position[axis]);
-      radii_.push_back(b.radius);
-    }
-  }
-  ViewBox box() {
-    ViewBox out;
-    if (radii_.empty()) return out;
-    ViewBox kept;
-    for (int axis = 0; axis < 3; ++axis) {
-      std::vector<double> values = places_[axis];
-      const bool few = values.size() <= 50;
-      const double low = quantile(values, few ? 0.0 : 0.01), high = quantile(values, few ? 1.0 : 0.99);
-      const double reach = 0.25 * (high - low);
-      kept.min[axis] = low - reach;
-      kept.max[axis] = high + reach;
-    }
-    for (std::size_t k = 0; k < radii_.size(); ++k) {
-      const Vec3 p(places_[0][k], places_[1][k], places_[2][k]);
-      if ((p.array() >= kept.min.array()).all() && (p.array() <= kept.max.array()).all()) out.include(p, radii_[k]);
-    }
-    return out;
-  }
-
-  double mean_radius() const {
-    double sum = 0;
-    for (const double r : radii_) sum += r;
-    return radii_.empty() ? 0.0 : sum / static_cast<double>(radii_.size());
-  }
-
- private:
-  std::vector<double> places_[3], radii_;
-};
-
 ViewBox box_of(const BodyRecord& b) {
   ViewBox out;
   if (b.surface == nullptr)
@@ -94,6 +54,92 @@ void include_walls(const ViewFrame& frame, ViewBox& box) {
   }
 }
 
+/// Where free bodies were. What a picture shows of them leaves strays out: it is about where they began and where half
+/// of them are; one body that falls out of a heap would make all the others points.
+class FreeBox {
+ public:
+  void add(const ViewFrame& frame) {
+    const std::size_t stride = stride_of(frame), first = places_.size();
+    for (std::size_t k = 0; k < frame.bodies.size(); k += stride) {
+      const BodyRecord& b = frame.bodies[k];
+      const bool counts = !b.is_wall() && is_finite(b.pose.position) && std::isfinite(b.radius);
+      if (counts) places_.push_back({b.pose.position, b.radius, b.id});
+      if (!b.is_wall()) ids_.insert(b.id);
+    }
+    if (first == 0) began_ = places_.size();
+  }
+  /// walls: the frame whose walls show how far bodies may be.
+  ViewBox box(const ViewFrame& walls) const {
+    if (ids_.size() < few_bodies) return box_of_few(walls);
+    ViewBox kept = middle(0, places_.size(), 0.01);
+    const Vec3 reach = 0.25 * (kept.max - kept.min);
+    if (const ViewBox start = middle(0, began_, 0.01); is_blown_up(kept, start))
+      kept = start;
+    else
+      kept = {kept.min - reach, kept.max + reach};
+    ViewBox out;
+    for (const Place& p : places_)
+      if (kept.holds(p.centre)) out.include(p.centre, p.radius);
+    return out;
+  }
+
+  double mean_radius() const {
+    double sum = 0;
+    for (const Place& p : places_) sum += p.radius;
+    return places_.empty() ? 0.0 : sum / static_cast<double>(places_.size());
+  }
+
+ private:
+  struct Place {
+    Vec3 centre;
+    double radius;
+    std::uint32_t id;
+  };
+  static constexpr std::size_t few_bodies = 100;
+
+  /// Of the places from one to before the other, without this share of them at each side.
+  ViewBox middle(std::size_t from, std::size_t to, double share) const {
+    ViewBox out;
+    if (from == to) return out;
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<double> values;
+      for (std::size_t k = from; k < to; ++k) values.push_back(places_[k].centre[axis]);
+      out.min[axis] = quantile(values, share);
+      out.max[axis] = quantile(values, 1 - share);
+    }
+    return out;
+  }
+
+  /// Most bodies are so far apart that none would be seen, and did not begin so: one alone has nothing to compare with.
+  bool is_blown_up(const ViewBox& all, const ViewBox& start) const {
+    constexpr double unseen = 3000, much = 20;  // radii to a picture; sizes of the start
+    return ids_.size() > 1 && all.diagonal() > unseen * mean_radius() &&
+           all.diagonal() > much * (start.diagonal() + mean_radius());
+  }
+
+  /// Among few a body, not a place, is the stray: a part of its way would still stretch the picture.
+  ViewBox box_of_few(const ViewFrame& walls) const {
+    ViewBox start, half = middle(0, places_.size(), 0.25), out;
+    for (std::size_t k = 0; k < began_; ++k) start.include(places_[k].centre, places_[k].radius);
+    ViewBox kept = start;
+    if (!half.is_empty() && !is_blown_up(half, start)) kept.include(half);
+    if (kept.is_empty()) return kept;
+    include_walls(walls, kept);
+    const Vec3 reach = Vec3::Constant(2 * kept.diagonal());
+    const ViewBox near{kept.min - reach, kept.max + reach};
+    std::set<std::uint32_t> strays;
+    for (const Place& p : places_)
+      if (ids_.size() > 1 && !near.holds(p.centre)) strays.insert(p.id);
+    for (const Place& p : places_)
+      if (!strays.contains(p.id) || kept.holds(p.centre)) out.include(p.centre, p.radius);
+    return out;
+  }
+
+  std::vector<Place> places_;
+  std::set<std::uint32_t> ids_;
+  std::size_t began_ = 0;  ///< so many of the places are of the first frame that has any
+};
+
 /// What a body at rest has by rounding alone stays below this [m/s]: a part of the speed of a fall through the picture.
 /// Without gravity nothing is known.
 double speed_at_rest(const RunAbout& about, const ViewBox& box) {
@@ -113,13 +159,54 @@ double floor_of(const std::string& field, double speed, double radius) {
   return field == "residual" ? 1e-12 : 0.0;
 }
 
+/// Of a field, with the places of the bodies.
+struct FieldValues {
+  std::vector<double> all;
+  std::vector<Eigen::Vector3f> places;
+  std::vector<std::uint32_t> ids;
+  void add(double value, const BodyRecord& body) {
+    all.push_back(value);
+    places.push_back(body.pose.position.cast<float>());
+    ids.push_back(body.id);
+  }
+};
+
+/// What of a field the picture shows.
+struct SeenValues {
+  std::vector<double> values;
+  double largest = 0;  ///< magnitude, of the bodies that stay in the picture
+};
+
+/// Bodies that the picture leaves out would take the colours of all others. Where it shows none, all count.
+SeenValues seen_in(const ViewBox& box, const FieldValues& known) {
+  const Vec3 margin = Vec3::Constant(1e-6 * (box.diagonal() + box.min.norm()));  // of single precision
+  const ViewBox wider{box.min - margin, box.max + margin};
+  std::vector<bool> inside(known.all.size());
+  std::set<std::uint32_t> leaving;
+  for (std::size_t k = 0; k < known.all.size(); ++k) {
+    inside[k] = wider.holds(known.places[k].cast<double>());
+    if (!inside[k]) leaving.insert(known.ids[k]);
+  }
+  SeenValues out;
+  std::vector<double> staying;
+  for (std::size_t k = 0; k < known.all.size(); ++k) {
+    if (!inside[k]) continue;
+    out.values.push_back(known.all[k]);
+    if (!leaving.contains(known.ids[k])) staying.push_back(known.all[k]);
+  }
+  if (out.values.empty()) out.values = known.all;
+  out.largest = largest_of(staying.empty() ? out.values : staying);
+  return out;
+}
+
 /// From the first positive value on, 98 % of the values, `floor` at least; whole numbers as they are. One value where
-/// the ends differ by no more than `same`: rounding. values: not empty.
-std::array<double, 2> range_of(const ViewField& field, std::vector<double>& values, double floor, double same) {
+/// the ends differ by no more than `same`: rounding. seen: not empty.
+std::array<double, 2> range_of(const ViewField& field, SeenValues& seen, double floor, double same) {
+  std::vector<double>& values = seen.values;
   const bool from_zero = field.kind == ViewField::Kind::moving;
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
   double low = from_zero ? 0.0 : *least, high = *most;
-  if (from_zero && field.name != "contacts") high = std::max(quantile(values, 0.98), 0.05 * high);
+  if (from_zero && field.name != "contacts") high = std::max(quantile(values, 0.98), 0.05 * seen.largest);
   if (from_zero) high = std::max(high, floor);
   if (!(high - low > same)) high = low;
   return {low, high};
@@ -130,7 +217,7 @@ std::array<double, 2> range_of(const ViewField& field, std::vector<double>& valu
 Overview look_over(const ViewSource& source) {
   Overview out;
   const std::vector<ViewField> fields = view_fields(source);
-  std::map<std::string, std::vector<double>> values;
+  std::map<std::string, FieldValues> values;
   std::vector<float> forces;
   FreeBox free;
   Grounds grounds(upwards(source.about()));
@@ -145,7 +232,7 @@ Overview look_over(const ViewSource& source) {
       const std::vector<float> all = fields_of(field.name);
       for (std::size_t b = 0; b < all.size(); b += stride_of(frame)) {
         const bool counts = std::isfinite(all[b]) && (!frame.bodies[b].is_wall() || field.name == "id");
-        if (counts) values[field.name].push_back(all[b]);
+        if (counts) values[field.name].add(all[b], frame.bodies[b]);
       }
     }
     for (const StoredContact& c : frame.contacts) {
@@ -154,25 +241,26 @@ Overview look_over(const ViewSource& source) {
     }
   }
   for (const ViewField& field : fields) {
-    auto& all = values[field.name];
-    for (const double v : all) out.largest[field.name] = std::max(out.largest[field.name], v);
+    for (const double v : values[field.name].all) out.largest[field.name] = std::max(out.largest[field.name], v);
   }
   if (!forces.empty()) {
     const auto place = forces.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(forces.size() - 1));
     std::nth_element(forces.begin(), place, forces.end());
     out.strongest = *place;
   }
-  out.box = free.box();
-  if (!shown.empty()) include_walls(source.frame(shown.back()), out.box);
+  const ViewFrame last = shown.empty() ? ViewFrame{} : source.frame(shown.back());
+  out.box = free.box(last);
+  include_walls(last, out.box);
   if (out.box.is_empty()) out.box.include(Vec3::Zero(), 1.0);
   const double still = speed_at_rest(source.about(), out.box), radius = free.mean_radius();
   for (const ViewField& field : fields) {
-    if (values[field.name].empty()) continue;
-    const double same =
-        field.name == "height" ? finest_step * out.box.diagonal() : 1e-6 * largest_of(values[field.name]);
+    SeenValues seen = seen_in(out.box, values[field.name]);
+    if (field.name == "id") seen.values = values[field.name].all;  // of walls too, wherever they are
+    if (seen.values.empty()) continue;
+    const double same = field.name == "height" ? finest_step * out.box.diagonal() : 1e-6 * largest_of(seen.values);
     const bool moves = field.kind == ViewField::Kind::moving;
     out.range[field.name] =
-        range_of(field, values[field.name], floor_of(field.name, still, radius), moves || field.whole ? 0.0 : same);
+        range_of(field, seen, floor_of(field.name, still, radius), moves || field.whole ? 0.0 : same);
   }
   out.grounds = grounds.ids();
   out.ground_top = grounds.top();

@@ -6,6 +6,7 @@
 #include "viz_export/files/json_writer.h"
 #include "viz_export/hdf5/deflate.h"
 #include "viz_export/measures/measure_units.h"
+#include "viz_export/measures/telling_rows.h"
 #include "viz_export/view/pack.h"
 #include "viz_export/view/planes.h"
 
@@ -75,20 +76,25 @@ void put_grounds(JsonWriter& json, const Overview& overview) {
   if (!overview.grounds.empty()) json.member("ground_top", overview.ground_top);
 }
 
-/// Times and values of each component, every so many.
+/// Values of each component with their times, of a long one the rows that tell its course.
 void put_measures(JsonWriter& json, const std::vector<StoredMeasure>& measures) {
   json.key("measures").begin_array();
   for (const StoredMeasure& m : measures) {
     const std::size_t n = m.times.size(), width = m.components.size();
-    const std::size_t stride = std::max<std::size_t>(1, (n + most_points - 1) / most_points);
     json.begin_object().member("name", m.name).key("times").begin_array();
-    for (std::size_t k = 0; k < n; k += stride) json.value(m.times[k]);
+    for (std::size_t k = 0; k < n && n <= most_points; ++k) json.value(m.times[k]);
     json.end_array().key("components").begin_array();
     for (std::size_t c = 0; c < width; ++c) {
       const MeasureUnit unit = measure_unit(m.kind, m.components[c]);
+      const std::vector<std::size_t> rows = telling_rows(m, c, most_points);
       json.begin_object().member("name", m.components[c]).member("quantity", unit.quantity).member("unit", unit.unit);
+      if (n > most_points) {  // each has its own
+        json.key("times").begin_array();
+        for (const std::size_t k : rows) json.value(m.times[k]);
+        json.end_array();
+      }
       json.key("values").begin_array();
-      for (std::size_t k = 0; k < n; k += stride) json.value(m.values[k * width + c]);
+      for (const std::size_t k : rows) json.value(m.values[k * width + c]);
       json.end_array().end_object();
     }
     json.end_array().end_object();

@@ -293,7 +293,7 @@ Image RunPainter::paint(std::size_t k) {
   add_springs(frame, source_.about(), axes_, scene);
   Image image = draw_scene(scene, axes_.camera, options_.width, options_.height, paper);
   options_.contacts = wanted;
-  if (options_.labels) label(image, frame.time);
+  if (options_.labels) label(image, frame);
   return image;
 }
 
@@ -309,13 +309,35 @@ std::string fitting(std::string text, double size, double width) {
 }
 }  // namespace
 
-void RunPainter::label(Image& image, double time) const {
+std::size_t RunPainter::outside(const ViewFrame& frame) const {
+  const Camera& seen = axes_.camera;
+  const Vec3 towards = (seen.eye - seen.target).normalized(), right = seen.up.cross(towards).normalized(),
+             up = towards.cross(right);
+  const double high = std::tan(0.5 * seen.angle * std::numbers::pi / 180),
+               wide = high * options_.width / options_.height;
+  const auto shows = [&](const BodyRecord& b) {
+    const Vec3 p = (b.pose.position - axes_.origin) / axes_.unit - seen.eye;
+    const double depth = -towards.dot(p), r = b.radius / axes_.unit;
+    // a side of the picture is a plane through the eye
+    return depth > -r && std::abs(right.dot(p)) - wide * depth <= r * std::hypot(1.0, wide) &&
+           std::abs(up.dot(p)) - high * depth <= r * std::hypot(1.0, high);
+  };
+  return static_cast<std::size_t>(std::count_if(frame.bodies.begin(), frame.bodies.end(),
+                                                [&](const BodyRecord& b) { return !b.is_wall() && !shows(b); }));
+}
+
+std::string outside_text(std::size_t bodies) {
+  return bodies == 0 ? "" : fmt::format("{} {} outside the picture", bodies, bodies == 1 ? "body" : "bodies");
+}
+
+void RunPainter::label(Image& image, const ViewFrame& frame) const {
   const double size = std::max(10.0, options_.letters * options_.height);
   const double left = 0.9 * size;
   const std::string title = options_.title ? fitting(source_.title(), 1.25 * size, image.width - 2 * left) : "";
   draw_text(image, left, 1.7 * size, title, 1.25 * size, ink);
-  draw_text(image, left, (options_.title ? 3.1 : 1.7) * size, "t = " + time_text(source_.times(), time) + " s", size,
-            ink);
+  std::string below = "t = " + time_text(source_.times(), frame.time) + " s";
+  if (const std::string strays = outside_text(outside(frame)); !strays.empty()) below += ", " + strays;
+  draw_text(image, left, (options_.title ? 3.1 : 1.7) * size, below, size, ink);
   if (field_.kind == ViewField::Kind::category && !options_.contacts)
     kinds(image, size);
   else
@@ -419,14 +441,12 @@ WrittenFilm render_film(const ViewSource& source, const RenderOptions& options, 
                         const std::filesystem::path& target) {
   const Overview overview = look_over(source);
   RunPainter painter(source, overview, options);
-  Film film(target, options.width, options.height);
-  std::size_t pictures = 0;
-  for (std::size_t k = 0; k < source.times().size(); k += every) {
-    film.add(painter.paint(k));
-    ++pictures;
-  }
+  const std::size_t pictures = (source.times().size() + every - 1) / every;
+  const double rate = film_rate(pictures);
+  Film film(target, options.width, options.height, rate);
+  for (std::size_t k = 0; k < source.times().size(); k += every) film.add(painter.paint(k));
   film.finish();
-  return {pictures, outline_note(painter)};
+  return {pictures, rate, outline_note(painter)};
 }
 
 }  // namespace epafi

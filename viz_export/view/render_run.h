@@ -41,6 +41,8 @@ class RunPainter {
   RunPainter(const ViewSource& source, Overview&& overview, const RenderOptions& options) = delete;
   Image paint(std::size_t frame);
   const ViewField& field() const { return field_; }
+  /// Free bodies of a frame of which the picture shows no part.
+  std::size_t outside(const ViewFrame& frame) const;
   /// Characters of its labels that have no outline (without_outline); empty: all have one.
   std::string unwritable() const;
 
@@ -51,7 +53,7 @@ class RunPainter {
   void add_edges(std::int32_t mesh, const BodyRecord& body, double scale, const Rgb& colour, DrawnScene& out);
   bool is_solid(const BodyRecord& wall) const;
   void add_body(const BodyRecord& body, float value, bool edges, DrawnScene& out);
-  void label(Image& image, double time) const;
+  void label(Image& image, const ViewFrame& frame) const;
   void colour_bar(Image& image, double size) const;
   void kinds(Image& image, double size) const;
   std::vector<std::size_t> kinds_shown() const;
@@ -73,14 +75,18 @@ class RunPainter {
 [[nodiscard]] std::string render_picture(const ViewSource& source, const RenderOptions& options, std::size_t frame,
                                          const std::filesystem::path& target);
 
-/// Every so many frames as a film, 25 per second; the ending of the name chooses: .mp4 or .webm. Throws
-/// FileError with what to install where ffmpeg is not there.
+/// Every so many frames as a film; the ending of the name chooses: .mp4 or .webm. Throws FileError with what to install
+/// where ffmpeg is not there.
 struct WrittenFilm {
   std::size_t pictures;
+  double rate;       ///< of pictures [1/s]
   std::string note;  ///< as of a picture
 };
 [[nodiscard]] WrittenFilm render_film(const ViewSource& source, const RenderOptions& options, std::size_t every,
                                       const std::filesystem::path& target);
+
+/// "3 bodies outside the picture"; "" of none.
+[[nodiscard]] std::string outside_text(std::size_t bodies);
 
 /// "12.5", "3e-06": four digits, no trailing zeros.
 [[nodiscard]] std::string short_number(double value);

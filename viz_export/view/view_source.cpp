@@ -78,6 +78,41 @@ std::vector<StoredMeasure> own_measures(const fs::path& folder) {
   return out;
 }
 
+/// Squares that stand for half-spaces, far from their body's own origin: in numbers of single precision their corners
+/// would run together. The body is shown as if it were at the middle of its square.
+class FarSquares {
+ public:
+  void take(std::vector<BodyRecord>& bodies) {
+    constexpr double far = 100;  // sizes
+    for (BodyRecord& b : bodies) {
+      if (b.surface == nullptr || !std::isinf(b.radius) || b.surface->points.size() != 4) continue;
+      const auto& corners = b.surface->points;
+      const Vec3 middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+      if (!(middle.norm() > far * (corners[2] - corners[0]).norm())) continue;
+      Square& square = squares_[b.id];
+      square = {middle, std::make_unique<Surface>(*b.surface)};
+      for (Vec3& corner : square.surface->points) corner -= middle;
+    }
+    move(bodies);
+  }
+  void move(std::vector<BodyRecord>& bodies) const {
+    if (squares_.empty()) return;
+    for (BodyRecord& b : bodies) {
+      const auto square = squares_.find(b.id);
+      if (square == squares_.end() || b.surface == nullptr) continue;
+      b.surface = square->second.surface.get();
+      b.pose.position = b.pose.to_world(square->second.middle);
+    }
+  }
+
+ private:
+  struct Square {
+    Vec3 middle;
+    std::unique_ptr<Surface> surface;
+  };
+  std::map<std::uint32_t, Square> squares_;
+};
+
 class RunSource final : public ViewSource {
  public:
   explicit RunSource(const fs::path& folder)
@@ -86,6 +121,7 @@ class RunSource final : public ViewSource {
         run_(folder / "run.h5"),
         about_(about_from_text(run_.about())),
         bodies_(run_.bodies()) {
+    squares_.take(bodies_);
     try {
       contacts_ = contact_files(folder);
     } catch (const FileError& e) {
@@ -141,6 +177,7 @@ class RunSource final : public ViewSource {
   ViewFrame frame(std::size_t k) const override {
     StoredSnapshot s = run_.snapshot(k);
     ViewFrame out{s.stamp.time, s.stamp.rotates, s.stamp.has_orientation, std::move(s.bodies), {}};
+    squares_.move(out.bodies);
     const auto file = contacts_.find(out.time);
     if (file == contacts_.end() || !fs::exists(file->second)) return out;
     out.contacts = contacts_of(file->second).contacts;
@@ -181,6 +218,7 @@ class RunSource final : public ViewSource {
   StoredRun run_;
   RunAbout about_;
   std::vector<BodyRecord> bodies_;
+  FarSquares squares_;
   std::map<double, fs::path> contacts_;
   bool residuals_ = false;
   std::vector<double> times_;
@@ -190,6 +228,7 @@ class StillSource final : public ViewSource {
  public:
   StillSource(std::string title, RunAbout about, ViewFrame frame)
       : title_(std::move(title)), about_(std::move(about)), frame_(std::move(frame)), times_{frame_.time} {
+    squares_.take(frame_.bodies);
     for (const BodyRecord& b : frame_.bodies) {
       bodies_.resize(std::max<std::size_t>(bodies_.size(), b.id + 1u));
       bodies_[b.id] = b;
@@ -209,6 +248,7 @@ class StillSource final : public ViewSource {
   std::string title_;
   RunAbout about_;
   ViewFrame frame_;
+  FarSquares squares_;
   std::vector<double> times_;
   std::vector<BodyRecord> bodies_;
 };

@@ -35,13 +35,15 @@ function settle(camera, controls) {
   controls.update();
 }
 
-function placeCamera(name, camera, controls, box, manifest) {
+// origin: what places are counted from.
+function placeCamera(name, camera, controls, box, manifest, origin) {
   const { view, presets, level } = manifest;
+  const near = (p) => p.map((v, axis) => v - origin[axis]);
   if (name === "scene" && view.from) {
     camera.fov = view.angle;
-    if (view.to) controls.target.set(...view.to);
+    if (view.to) controls.target.set(...near(view.to));
     else controls.target.addVectors(box.min, box.max).multiplyScalar(0.5);
-    const way = new THREE.Vector3(...view.from).sub(controls.target);
+    const way = new THREE.Vector3(...near(view.from)).sub(controls.target);
     const far = way.length();
     camera.position.copy(controls.target).addScaledVector(besideAxis(way.normalize(), camera.up, level), far);
     return settle(camera, controls);

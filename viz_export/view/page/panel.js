@@ -92,13 +92,18 @@ function measurePlots(measures) {
   const out = [];
   for (const m of measures) {
     const byUnit = new Map();
+    const still = [];  // components without a curve
     for (const c of m.components) {
-      if (c.values.every((v) => v === null || v === c.values[0]) && m.components.length > 1) continue;
+      if (c.values.every((v) => v === null || v === c.values[0]) && m.components.length > 1) {
+        still.push(c.name + (typeof c.values[0] === "number" ? ` = ${digits(c.values[0])}` : ""));
+        continue;
+      }
       const key = labelOf(c.quantity, c.unit);
       if (!byUnit.has(key)) byUnit.set(key, []);
-      byUnit.get(key).push({ label: m.components.length > 1 ? c.name : "", x: m.times, y: c.values });
+      byUnit.get(key).push({ label: m.components.length > 1 ? c.name : "", x: c.times || m.times, y: c.values });
     }
-    for (const [label, lines] of byUnit) out.push({ name: `${m.name}: ${label}`, label, lines });
+    if (byUnit.size === 0 && m.components.length > 0) out.push({ name: `${m.name}: nothing changes`, label: "", lines: [], still });
+    for (const [label, lines] of byUnit) out.push({ name: `${m.name}: ${label}`, label, lines, still });
   }
   return out;
 }

@@ -42,7 +42,7 @@ class Picker extends Viewer {
     const rows = [["number", id], ["material", this.source.materialName(bodies.material[id])]];
     if (bodies.radius[id] > 0) rows.push(["bounding radius", digits(bodies.radius[id]) + " m"]);
     if (row >= 0) {
-      rows.push(["position", [0, 1, 2].map((k) => digitsTo(this.frame.place[3 * row + k], this.frame.step)).join(", ") + " m"]);
+      rows.push(["position", [0, 1, 2].map((k) => digitsTo(this.source.origin[k] + this.frame.place[3 * row + k], this.frame.step)).join(", ") + " m"]);
       for (const f of this.manifest.fields)
         if (f.kind === "moving") rows.push([f.label, digitsTo(this.valueOf(this.frame, row, f.name), this.frame.steps[f.name]) + (f.unit ? " " + f.unit : "")]);
     } else {

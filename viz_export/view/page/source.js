@@ -2,6 +2,13 @@
 
 const mostKept = 400e6;  // bytes of decoded frames
 
+// What places are counted from: far from the scene's own origin numbers of single precision would not tell bodies apart.
+function originOf({ min, max }) {
+  const centre = min.map((low, axis) => 0.5 * (low + max[axis]));
+  const size = Math.hypot(...min.map((low, axis) => max[axis] - low));
+  return Math.hypot(...centre) > 100 * size ? centre : [0, 0, 0];
+}
+
 class Source {
   constructor() {
     this.manifest = null;
@@ -20,12 +27,17 @@ class Source {
   }
   async readManifest() {
     if (this.inside) this.manifest = JSON.parse(this.inside.textContent);
-    else this.manifest = await (await fetch("manifest")).json();
+    else this.manifest = JSON.parse(new TextDecoder().decode(await this.bytes("manifest")));
+    this.origin = this.origin || originOf(this.manifest.box);
     if (!this.bodies || this.bodies.n !== this.manifest.bodies) {
       this.bodies = bodiesOf(await inflate(await this.bytes("bodies")));
       return true;
     }
     return false;
+  }
+  // Of the origin, in a direction.
+  along(direction) {
+    return direction.reduce((sum, part, axis) => sum + part * this.origin[axis], 0);
   }
   framesIn(chunk) {
     return Math.min(this.manifest.chunk_frames, this.frames - chunk * this.manifest.chunk_frames);
@@ -36,7 +48,7 @@ class Source {
     let entry = this.kept.get(chunk);
     if (!entry || entry.frames < this.framesIn(chunk)) {
       const frames = this.framesIn(chunk);
-      entry = { frames, promise: this.bytes("chunk-" + chunk).then((b) => framesOfChunk(b, this.manifest.columns, frames)) };
+      entry = { frames, promise: this.bytes("chunk-" + chunk).then((b) => framesOfChunk(b, this.manifest.columns, frames, this.origin)) };
       entry.promise.catch(() => this.kept.delete(chunk));
     }
     this.kept.delete(chunk);

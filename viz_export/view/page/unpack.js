@@ -117,12 +117,13 @@ function contactsOf(reader, scales) {
 }
 
 // The frames of a chunk: { n, id, place, turn, fields: {name: values}, heading, contacts }.
-async function framesOfChunk(bytes, columns, frames) {
+// origin: what places are counted from.
+async function framesOfChunk(bytes, columns, frames, origin) {
   const head = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const moving = columns.filter((c) => !["id", "position", "rest", "largest", "heading", "contact"].includes(c));
   let at = 4 * columns.length;
   const scales = [];
-  for (let k = 0; k < 6 + moving.length; ++k, at += 8) scales.push(head.getFloat64(at, true));
+  for (let k = 0; k < 6 + moving.length; ++k, at += 8) scales.push(head.getFloat64(at, true) - (k < 3 ? origin[k] : 0));
   const readers = {};
   for (let k = 0; k < columns.length; ++k) {
     const size = head.getUint32(4 * k, true);

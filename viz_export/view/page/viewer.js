@@ -51,7 +51,8 @@ class Viewer {
       this.lookAtGround();
       this.dirty = true;
     });
-    this.box = new THREE.Box3(new THREE.Vector3(...this.manifest.box.min), new THREE.Vector3(...this.manifest.box.max));
+    const near = (p) => new THREE.Vector3(...p.map((v, axis) => v - this.source.origin[axis]));
+    this.box = new THREE.Box3(near(this.manifest.box.min), near(this.manifest.box.max));
     this.makeObjects();
     this.fillPanel();
     this.setTheme();
@@ -132,7 +133,7 @@ class Viewer {
   // Seen from below, what is solid ground from above would hide all.
   lookAtGround() {
     const { ground_top: top, up } = this.manifest;
-    const below = top !== undefined && this.camera.position.dot(new THREE.Vector3(...up)) <= top;
+    const below = top !== undefined && this.camera.position.dot(new THREE.Vector3(...up)) <= top - this.source.along(up);
     if (below === this.below) return;
     this.below = below;
     this.showOpacity();
@@ -166,7 +167,7 @@ class Viewer {
     el("time").max = Math.max(0, this.source.frames - 1);
     const last = this.manifest.times.length > 0 ? timeText(this.manifest.times, this.manifest.times[this.source.frames - 1]) : "0";
     const running = this.source.inside ? `the run went on, at t = ${last} s, when this page was written` : `the run goes on: ${this.source.frames} frames until t = ${last} s; End goes to the last one and follows`;
-    el("notes").textContent = [...this.manifest.notes, ...(this.manifest.cut ? [this.manifest.cut] : []), ...(this.trouble ? [this.trouble] : this.manifest.running ? [running] : [])].join("\n");
+    el("notes").textContent = [...(this.outside ? [this.outside] : []), ...this.manifest.notes, ...(this.manifest.cut ? [this.manifest.cut] : []), ...(this.trouble ? [this.trouble] : this.manifest.running ? [running] : [])].join("\n");
     el("notes").classList.toggle("cut", this.manifest.cut !== undefined);
   }
 
@@ -216,7 +217,7 @@ class Viewer {
     const id = frame.id[row];
     if (frame.fields[name]) return frame.fields[name][row];
     const up = this.manifest.up;
-    if (name === "height") return up.reduce((sum, part, axis) => sum + part * frame.place[3 * row + axis], 0);
+    if (name === "height") return up.reduce((sum, part, axis) => sum + part * frame.place[3 * row + axis], this.source.along(up));
     if (name === "size") return bodies.radius[id];
     if (name === "material") return bodies.material[id];
     return name === "body" ? this.groupOf[id] : id;
@@ -272,15 +273,32 @@ class Viewer {
     this.showLines();
     const time = this.manifest.times[this.at];
     el("time").value = this.at;
+    this.countOutside();
     el("clock").textContent = `t = ${timeText(this.manifest.times, time)} s`;
     this.showMeasure();
     this.showPick();
     this.dirty = true;
   }
 
+  // Free bodies of which no part is in the box that cameras are placed by.
+  countOutside() {
+    const { radius, wall } = this.source.bodies;
+    const place = new THREE.Vector3();
+    let n = 0;
+    for (let row = 0; row < this.frame.n; ++row) {
+      const id = this.frame.id[row];
+      if (!wall[id] && this.box.distanceToPoint(place.fromArray(this.frame.place, 3 * row)) > radius[id]) ++n;
+    }
+    const text = n > 0 ? `${n} ${n > 1 ? "bodies" : "body"} outside the picture` : "";
+    if (text === (this.outside || "")) return;
+    this.outside = text;
+    this.manifestChanged();
+  }
+
   showMeasure() {
     if (this.plots.length === 0) return;
     const plot = this.plots.find((p) => p.name === el("measure").value) || this.plots[0];
+    el("measure-still").textContent = plot.still && plot.still.length > 0 ? "without a curve, as they do not change: " + plot.still.join(", ") : "";
     drawPlot(el("measure-plot"), plot.lines, "time [s]", plot.label, this.manifest.times[this.at]);
   }
 
@@ -309,7 +327,7 @@ class Viewer {
   }
 
   place(name) {
-    placeCamera(name, this.camera, this.controls, this.box, this.manifest);
+    placeCamera(name, this.camera, this.controls, this.box, this.manifest, this.source.origin);
     this.lookAtGround();
     this.dirty = true;
   }
