@@ -95,7 +95,7 @@ std::vector<std::string> probed(const fs::path& film, const fs::path& said) {
 
 }  // namespace
 
-TEST_CASE("a film has every picture, the size asked for and 25 pictures a second", "[scenes][view][long]") {
+TEST_CASE("a film has every picture, the size asked for and three seconds at least", "[scenes][view][long]") {
   if (std::system("command -v ffmpeg > /dev/null && command -v ffprobe > /dev/null") != 0) {
     WARN("skipped: no ffmpeg here");
     return;
@@ -108,8 +108,8 @@ TEST_CASE("a film has every picture, the size asked for and 25 pictures a second
     REQUIRE(all.size() == 5);
     CHECK(all[0] == "162");  // H.264 wants even numbers
     CHECK(all[1] == "120");
-    CHECK(all[2] == "11/3");  // few pictures are shown for 3 s in all
-    CHECK(all[3] == "11");                                        // 0, 0.02 ... 0.2 s
+    CHECK(all[2] == "11/3");                                // few pictures are shown for 3 s in all
+    CHECK(all[3] == "11");                                  // 0, 0.02 ... 0.2 s
     CHECK(std::stod(all[4]) == Approx(3.0).epsilon(0.03));  // WebM counts milliseconds
     REQUIRE(call_program("render " + r.run.string() + " --every 5 --size 64x48 --out " + film.string() +
                          " 2> /dev/null") == 0);

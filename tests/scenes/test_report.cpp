@@ -74,7 +74,23 @@ TEST_CASE("a report names the stages of a run, how each ended, and the stage of 
     CHECK(count(run.page, row) == 1);
   CHECK(count(run.page, "t = 0 s, stage 'close'") == 1);
   CHECK(count(run.page, "t = 3.5 s, stage 'ease'") >= 1);
+  CHECK(count(run.page, " s, stage 'clamp'") >= 1);  // it is short, and has a picture all the same
   CHECK(ReportedRun().page.find("<h2>Stages</h2>") == std::string::npos);
+}
+
+TEST_CASE("a report elsewhere leaves the run's folder as it is", "[scenes][report]") {
+  const ReportedRun run;
+  const std::string command = std::string(EPAFI_BINARY_DIR) + "/bin/epafi report " + run.folder.string() + " -o ";
+  const fs::path elsewhere = fs::path(run.folder) += "-elsewhere";
+  fs::remove_all(elsewhere);
+  CHECK(shell(command + (elsewhere / "page.html").string() + " 2> /dev/null") != 0);  // there is no such folder
+  CHECK_FALSE(fs::exists(elsewhere));
+  fs::create_directories(elsewhere);
+  const auto before = fs::last_write_time(run.folder);
+  REQUIRE(shell(command + (elsewhere / "page.html").string() + " 2> /dev/null") == 0);
+  CHECK(fs::last_write_time(run.folder) == before);  // nothing came or went
+  CHECK(std::distance(fs::directory_iterator(elsewhere), fs::directory_iterator()) == 1);
+  fs::remove_all(elsewhere);
 }
 
 TEST_CASE("run.h5 needs h5py alone: the example reads the energy of the summary", "[scenes][report]") {

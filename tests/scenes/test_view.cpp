@@ -436,6 +436,18 @@ TEST_CASE("a page whose server has ended says so, and its slider stays with the 
   }
 }
 
+TEST_CASE("a page whose run has gone says what the server says", "[scenes][view][long]") {
+  if (!has_browser()) return;
+  const ShownRun shown;
+  const Background server(shown.folder.path(), "view", "view " + shown.run.string() + " --port 0 --no-browser");
+  support::Browser b(500, 400);
+  const std::string address = server.word();
+  fs::rename(shown.run, shown.folder / "moved");
+  (void)b.open(address);
+  CHECK(b.wait_for("document.getElementById('message').textContent.includes('there is no folder')"));
+  CHECK(b.text("String(document.getElementById('message').textContent.includes('JSON'))") == "false");
+}
+
 TEST_CASE("the page follows a run that goes on, and sees its end", "[scenes][view][long]") {
   if (!has_browser()) return;
   const TemporaryFolder folder;

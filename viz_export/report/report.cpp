@@ -380,7 +380,7 @@ class PartsFolder {
     else
       path_ = fs::path(page) += fmt::format(".{}.part", ::getpid());
     std::error_code error;
-    fs::create_directories(path_, error);
+    fs::create_directory(path_, error);
     if (error)
       throw FileError(page.string() + ": cannot write into '" +
                       (page.has_parent_path() ? page.parent_path() : ".").string() + "': " + error.message() +
