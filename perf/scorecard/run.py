@@ -99,7 +99,7 @@ class Row:
             return []
         time = statistics.median(self.times)
         spread = "%.2f" % ((max(self.times) - min(self.times)) / time) if len(self.times) > 1 else ""
-        return [dict(base, measure=m, seconds="%.4g" % time, spread=spread, error="%.4g" % e, status=status)
+        return [dict(base, measure=m, seconds="%.4g" % time, spread=spread, error="" if e is None else "%.4g" % e, status=status)
                 for m, (e, status) in self.errors.items()]
 
 

@@ -408,11 +408,16 @@ TEST_CASE("the local server gives a run to the browser of this machine alone", "
   const ShownRun shown;
   const Background server(shown.folder.path(), "view", "view " + shown.run.string() + " --port 0 --no-browser");
   support::Browser b(800, 600);
-  CHECK(b.open(server.word()));
+  const std::string address = server.word();
+  CHECK(b.open(address));
   CHECK(b.number("epafi.source.frames") == 11);
   CHECK(drawn_fields(numbers(b.text(grid_of_picture))) > 30);
   CHECK(b.text("fetch('/etc/passwd').then(a => String(a.status))") == "404");
   CHECK(b.complaints().size() == 1);  // of that answer
+  fs::rename(shown.run, shown.folder / "moved");
+  (void)b.open(address);  // says what the server says
+  CHECK(b.wait_for("document.getElementById('message').textContent.includes('there is no folder')"));
+  CHECK(b.text("String(document.getElementById('message').textContent.includes('JSON'))") == "false");
 }
 
 TEST_CASE("a page whose server has ended says so, and its slider stays with the picture", "[scenes][view][long]") {
@@ -434,18 +439,6 @@ TEST_CASE("a page whose server has ended says so, and its slider stays with the 
     CHECK(b.number("epafi.at") == 1);
     CHECK(b.wait_for("!epafi.playing"));  // who plays stops at the next frame
   }
-}
-
-TEST_CASE("a page whose run has gone says what the server says", "[scenes][view][long]") {
-  if (!has_browser()) return;
-  const ShownRun shown;
-  const Background server(shown.folder.path(), "view", "view " + shown.run.string() + " --port 0 --no-browser");
-  support::Browser b(500, 400);
-  const std::string address = server.word();
-  fs::rename(shown.run, shown.folder / "moved");
-  (void)b.open(address);
-  CHECK(b.wait_for("document.getElementById('message').textContent.includes('there is no folder')"));
-  CHECK(b.text("String(document.getElementById('message').textContent.includes('JSON'))") == "false");
 }
 
 TEST_CASE("the page follows a run that goes on, and sees its end", "[scenes][view][long]") {

@@ -45,6 +45,7 @@ struct Scene {
   double wall_friction = -1.0;      ///< of upright planes, below 0: the same
   std::array<double, 2> modulus{};  ///< Young's [Pa] and Poisson's ratio: for smooth contact alone
   std::vector<Plane> planes;
+  std::size_t tubes = 0;  ///< hollow walls, of granular problems
   std::vector<Body> bodies;
 };
 
@@ -126,6 +127,9 @@ inline Scene read_scene(const char* name) {
       read(in, p.normal);
       in >> p.offset;
       scene.planes.push_back(p);
+    } else if (word == "material" || word == "pair" || word == "made_of" || word == "tube") {
+      scene.tubes += word == "tube";  // granular codes read the rest (grains.py), Epafi has it in its own file
+      std::getline(in, word);
     } else if (word == "sphere" || word == "box" || word == "hull") {
       scene.bodies.push_back(read_body(in, word));
     } else {

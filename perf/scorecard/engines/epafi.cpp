@@ -8,8 +8,8 @@ namespace {
 
 class EpafiEngine final : public scorecard::Engine {
  public:
-  EpafiEngine(std::unique_ptr<epafi::Assembly> assembly, std::size_t planes)
-      : assembly_(std::move(assembly)), planes_(planes) {}
+  EpafiEngine(std::unique_ptr<epafi::Assembly> assembly, std::size_t walls)
+      : assembly_(std::move(assembly)), walls_(walls) {}
 
   void step() override {
     if (const auto failure = assembly_->simulation->advance()) scorecard::fail("epafi: " + failure->text);
@@ -17,7 +17,7 @@ class EpafiEngine final : public scorecard::Engine {
 
   scorecard::Pose pose(std::size_t body) override {
     const auto& world = assembly_->simulation->world;
-    const auto slot = world.slot_of(static_cast<epafi::BodyId>(planes_ + body));  // planes are the first bodies
+    const auto slot = world.slot_of(static_cast<epafi::BodyId>(walls_ + body));  // walls are the first bodies
     const auto& q = world.pose(slot).orientation;  // of the body as drawn, not of its principal axes
     const epafi::Vec3 x = world.position[slot], v = world.velocity[slot];
     const epafi::Vec3 w = world.rotates() ? epafi::Vec3(world.angular_velocity[slot]) : epafi::Vec3::Zero();
@@ -26,7 +26,7 @@ class EpafiEngine final : public scorecard::Engine {
 
  private:
   std::unique_ptr<epafi::Assembly> assembly_;
-  std::size_t planes_;
+  std::size_t walls_;
 };
 
 }  // namespace
@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
     std::snprintf(chosen, sizeof chosen, "%.17g", epafi::load(scene, keys)->time_step.value);
     argv[3] = chosen;
     return scorecard::run(argc, argv, [&](const scorecard::Scene& s, const scorecard::Options&) {
-      return std::make_unique<EpafiEngine>(epafi::load(scene, keys), s.planes.size());
+      return std::make_unique<EpafiEngine>(epafi::load(scene, keys), s.planes.size() + s.tubes);
     });
   } catch (const epafi::SceneError& error) {
     scorecard::fail(error.what());

@@ -65,7 +65,7 @@ def script(grains, dt, steps, every, style):
     radii = [b["radius"] for b in grains.bodies]
     # cells by the largest pair would hold hundreds of small grains: by types where sizes differ much
     bins = "multi" if max(radii) > 2 * min(radii) else "bin"
-    lines = ["units si", "atom_style sphere", "atom_modify map array sort 1000 0", "boundary f f f", "newton on", "comm_modify vel yes",
+    lines = ["units si", "atom_style sphere", "atom_modify map array sort 1000 0", "boundary s s s", "newton on", "comm_modify vel yes",
              "read_data grains.data", *grains_and_walls(grains, style), "neighbor %.9g %s" % (SKIN * min(radii), bins),
              "neigh_modify delay 0 every 1 check yes", "timestep %.17g" % dt, "fix move all nve/sphere"]
     if gravity > 0:

@@ -3,8 +3,8 @@ Phys. Commun. 296, 2024, 109066) with the moduli of 2 and 1 MPa of its soft deck
 rest in Epafi's smooth contact; all start from the same numbers.
 
 There is no closed form. Error: of the moment of the grains' weight about the axis, mean from 0.12 to 0.15 s, against the mean of the
-finest runs of four codes (REFERENCE, over the weight times the drum's radius); these lie within SCATTER of it, and smaller errors
-say nothing.
+finest runs of all codes (REFERENCE, over the weight times the drum's radius). Until that is known a row has a time and a moment,
+and no error.
 """
 import math
 
@@ -17,7 +17,7 @@ UNIT = "over the mean of the finest"
 DURATION = 0.15
 EVERY = 0.01
 SMALL, LARGE, DRUM, HALF = 1e-3, 2e-3, 0.1, 0.03
-REFERENCE, SCATTER = 0.1, 0.01
+REFERENCE = None
 SETTINGS = {"Epafi smooth": ["", "dt=2e-5"], "LAMMPS": ["dt=2e-5"], "LIGGGHTS": ["dt=2e-5"], "YADE": ["dt=2e-5"]}
 OTHERS = "a problem of granular codes: tens of thousands of spheres of 2 and 4 mm"
 M1 = Material("M1", 2500.0, 2e6)
@@ -51,4 +51,5 @@ def measure(times, poses, scene):
     moments = [sum(m * p[0] for m, p in zip(masses, sample)) / (sum(masses) * DRUM) for t, sample in zip(times, poses) if t > 0.115]
     moment = abs(sum(moments) / len(moments))
     lost = sum(math.hypot(p[0], p[2]) > DRUM + LARGE for p in poses[-1])
-    return {"": (abs(moment / REFERENCE - 1), "lost: %d gone" % lost if lost else "ok: %.5f" % moment)}
+    error = None if REFERENCE is None else abs(moment / REFERENCE - 1)
+    return {"": (error, "lost: %d gone" % lost if lost else "ok: %.5f" % moment)}

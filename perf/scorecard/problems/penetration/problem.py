@@ -1,8 +1,8 @@
 """A steel ball of 20 mm strikes a bed of 25 000 spheres of 2 mm at 5 m/s: the third case of Dosta et al. (Comput. Phys. Commun. 296,
 2024, 109066) with moduli of 10 and 100 MPa. The bed came to rest in Epafi's smooth contact; all start from the same numbers.
 
-There is no closed form. Error: of the ball's depth after 25 ms over its diameter, against the mean of the finest runs of four codes
-(REFERENCE); these lie within SCATTER of it, and smaller errors say nothing.
+There is no closed form. Error: of the ball's depth after 25 ms over its diameter, against the mean of the finest runs of all codes
+(REFERENCE). Until that is known a row has a time and a depth, and no error.
 """
 from granular import Material, grain, lattice, settled
 from scene import Scene
@@ -13,7 +13,7 @@ UNIT = "over the ball's diameter"
 DURATION = 0.025
 EVERY = 0.005
 RADIUS, BALL, SPEED = 1e-3, 0.01, 5.0
-REFERENCE, SCATTER = 0.0, 0.01
+REFERENCE = None
 SETTINGS = {"Epafi smooth": ["", "dt=5e-6"], "LAMMPS": ["dt=5e-6"], "LIGGGHTS": ["dt=5e-6"], "YADE": ["dt=5e-6"]}
 OTHERS = "a problem of granular codes: twenty thousand spheres of 2 mm"
 GRAIN = Material("M1", 2500.0, 1e7)
@@ -36,4 +36,4 @@ def scene():
 
 def measure(times, poses, scene):
     depth = (scene.bodies[0].position[2] - poses[-1][0][2]) / (2 * BALL)
-    return {"": (abs(depth - REFERENCE), "ok: %.4f" % depth)}
+    return {"": (None if REFERENCE is None else abs(depth - REFERENCE), "ok: %.4f" % depth)}
