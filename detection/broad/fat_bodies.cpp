@@ -218,7 +218,9 @@ double FatBodies::margin_of(const World& world, Slot s, const BroadSetup& setup,
   const double step = step_time * speed_of(world, s, *setup.shapes, frame), small = 4.0 * median_radius_;
   const double wanted = 2.0 * headroom * steps * step;
   if (!std::isfinite(wanted)) return 0.0;
-  if (immovable[s]) return std::min(wanted, most_margin * small);
+  // rounding moves the axis of a wall that turns about it: in most poses the list would last a step
+  const double rounding = is_hollow(s) && wanted > 0.0 ? 1e-9 * turning_radius(s) : 0.0;
+  if (immovable[s]) return std::min(std::max(wanted, rounding), most_margin * small);
   return std::clamp(wanted, least_share_ * std::min(radius, small), most_margin_ * radius);
 }
 

@@ -5,6 +5,7 @@
 #include "tests/detection/broad_scenes.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
+#include "tests/support/random_geometry.h"
 
 using namespace epafi;
 using namespace epafi::test;
@@ -291,6 +292,30 @@ TEST_CASE("a spinning needle is listed before its tip arrives", "[detection][bro
     }
     CHECK(seen);
     CHECK(list.generation < 80);
+  }
+}
+
+TEST_CASE("a wall that turns about its own axis keeps its list, however it lies", "[detection][broad][rotation]") {
+  Random random(5, 1);
+  for (int draw = 0; draw < 20; ++draw) {
+    BroadScene scene;
+    scene.world = World({.rotation = true, .anisotropy = true});
+    scene.setup.shapes = &scene.shapes;
+    Body wall;
+    wall.orientation = testing::random_turn(random);
+    const Vec3 axis = wall.orientation * Vec3::UnitZ();
+    wall.angular_velocity = 2.0 * axis;
+    wall.shape = scene.shapes.add(Tube(1.0, 1.0, false)).packed;
+    scene.world.add(wall);
+    for (int k = 0; k < 10; ++k) scene.add_sphere(Vec3(0.05 * k, 0, 0), 0.02);
+    const auto broad = all_broad_phases()[0].make(scene.setup);
+    PairList list;
+    for (int k = 0; k < 200; ++k) {
+      scene.world.orientation[0] = (Quat(Eigen::AngleAxisd(2e-4, axis)) * scene.world.orientation[0]).normalized();
+      scene.world.time += 1e-4;
+      broad->find_pairs(scene.world, list);
+    }
+    CHECK(list.generation <= 2);
   }
 }
 
