@@ -2,7 +2,8 @@
 
 There is no closed form. The centre of the grains is carried to the side until gravity's moment about the axis is that of
 friction on the wall: the angle of the centre below the axis, mean from 1 to 1.5 s. Error: against the mean of the finest runs of
-four codes (REFERENCE); these lie within SCATTER of it, and smaller errors say nothing.
+three codes (REFERENCE: Epafi 27.8, LAMMPS 28.1, LIGGGHTS, whose drum has 96 facets, 26.5 at 2e-5 s); these lie within SCATTER of
+it, and smaller errors say nothing.
 """
 import math
 
@@ -15,7 +16,7 @@ UNIT = "degrees"
 DURATION = 1.5
 EVERY = 0.02
 RADIUS, DRUM, WIDTH, COUNT, RATE = 2e-3, 0.05, 0.03, 1500, 2.0
-REFERENCE, SCATTER = 24.0, 0.3
+REFERENCE, SCATTER = 27.5, 1.0
 OTHERS = "rigid contact needs no stiffness, and no code of rigid bodies here has a hollow drum"
 GRAIN = Material("grain", 2500.0, 2e6)
 SIDE = Material("side", 2500.0, 2e6)
