@@ -1,7 +1,7 @@
 /// @file servo_event.h  A servo wall (servo.h) in smooth contact. Its law takes the forces of the last detection, so
 /// that the wall is a leapfrog beside velocity Verlet: it drifts with the speed of the middle of the step. Contacts see
 /// it as they see the bodies, at the end of the step: world.velocity is the end's, predicted by the last acceleration,
-/// and the position is set back before the drift by what that is too fast. Dashpots that saw the middle's speed booked
+/// and the position is set back before the drift by what that is too fast. Dashpots that see the middle's speed book
 /// losses off by dt/2 times their force times the change of speed, up to 0.27 of all energy under light walls.
 #pragma once
 #include "engine/step/energy.h"

@@ -78,7 +78,7 @@ def script(grains, dt, steps, every, style):
 
 def data(grains, types):
     """Atoms and their velocities, in a box that nothing leaves."""
-    # as small as may be: cells of a small grain fill a wide box by the billion
+    # LIGGGHTS keeps this box, whose cells are as small as a grain: a wide one has billions; LAMMPS shrinks it to the atoms
     pad = 100 * min(b["radius"] for b in grains.bodies)
     places = [[b["position"][k] for b in grains.bodies] + [p for axis, _, p in grains.planes if axis == k] for k in range(3)]
     low, high = [min(p) - pad for p in places], [max(p) + pad for p in places]
