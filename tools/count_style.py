@@ -4,7 +4,7 @@
   tools/count_style.py [--list KIND] [--links]
 
 Prints: functions over 50 lines, files over 500 lines, comma chains, lines over 120 characters, commit subjects over 72
-characters, words per page, table cells over 25 words, links without a target. --list KIND names the places of one kind;
+characters, words per page, table cells over 25 words, links without a target, pages with other figures than the table. --list KIND names the places of one kind;
 --links alone checks links and ends with 1 where a page, picture or heading is missing. Reads text only; functions are
 found by indentation (a body from a brace at the end of an unindented line to a brace in column 1), so that class members
 and lambdas are not counted by themselves.
@@ -155,6 +155,11 @@ def prose_lines(text):
             yield number, line
 
 
+def shown(text):
+    """Without comments, line by line: patterns of tables are none of a page's words."""
+    return re.sub(r"<!--.*?-->", lambda hidden: "\n" * hidden[0].count("\n"), text, flags=re.DOTALL)
+
+
 def long_cells(text):
     """(line, words) of table cells with too many words; commands between backticks count as one word."""
     for number, line in prose_lines(text):
@@ -196,7 +201,7 @@ def find_all():
         name = path.relative_to(ROOT).as_posix()
         if path.suffix == ".md":
             text = path.read_text()
-            places["cells"] += [(name, line, f"{words} words") for line, words in long_cells(text)]
+            places["cells"] += [(name, line, f"{words} words") for line, words in long_cells(shown(text))]
             places["links"] += [(name, line, target) for line, target in broken_links(path)]
         if path.suffix in SOURCES:
             lines = path.read_text(errors="replace").splitlines()
@@ -215,6 +220,12 @@ def long_subjects():
     return [line for line in log.splitlines() if len(line.partition(" ")[2]) > MOST_CHARACTERS_OF_A_SUBJECT]
 
 
+def differing_figures():
+    """What tools/figures.py says of pages that do not hold the figures of docs/performance/figures.csv."""
+    ran = subprocess.run([sys.executable, ROOT / "tools/figures.py", "--check"], capture_output=True, text=True)
+    return ran.stdout.splitlines() if ran.returncode else []
+
+
 def print_summary(places):
     """All counts, then words per page."""
     titles = {"functions": f"functions over {MOST_LINES_OF_A_FUNCTION} lines",
@@ -226,7 +237,8 @@ def print_summary(places):
     for kind, title in titles.items():
         print(f"{len(places[kind]):6d}  {title}")
     print(f"{len(long_subjects()):6d}  commit subjects over {MOST_CHARACTERS_OF_A_SUBJECT} characters")
-    counts = [(len(page.read_text().split()), page.relative_to(ROOT).as_posix()) for page in pages()]
+    print(f"{len(differing_figures()):6d}  pages with other figures than docs/performance/figures.csv")
+    counts = [(len(shown(page.read_text()).split()), page.relative_to(ROOT).as_posix()) for page in pages()]
     counts.sort(reverse=True)
     print(f"{sum(count for count, _ in counts):6d}  words in {len(counts)} pages:")
     for count, name in counts:

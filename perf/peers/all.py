@@ -6,7 +6,8 @@
 Beds of 10 000 and 100 000 spheres and a hopper (LAMMPS, LIGGGHTS, YADE), stacks, unequal masses, a pyramid and a pile of polyhedra without
 smoothing (Bullet, ODE, MuJoCo), polyhedra by a smooth law (YADE), pairs of convex bodies with exact answers; the heads of the single scripts say what
 is measured how. Within a script all codes take turns in one run; codes that are not installed have no row. Engines that are no package of
-Debian (Box3D, Jolt, coal, MuJoCo 3) are not run: their figures of another machine (elsewhere/) stand in italics. Writes table.md. Some 40 minutes;
+Debian (Box3D, Jolt, coal, MuJoCo 3) are not run: their figures of another machine (elsewhere/) stand in italics. Writes table.md;
+`tools/figures.py --take out/peers --machine NAME` puts the times on the pages. Some 40 minutes;
 --quick: a tenth of the steps, to see that all is in place.
 """
 import argparse

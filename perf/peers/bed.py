@@ -131,4 +131,5 @@ if shutil.which("liggghts"):
     codes.append(("LIGGGHTS", lambda: peer(["liggghts", "-log", "none", "-in", "bed.liggghts"], o.steps, o.n, o.out)))
 if shutil.which("yade"):
     codes.append(("YADE", run_yade))
-print_table("%d spheres, one thread" % o.n, ["neighbours", "height [m]"], take_turns(codes, o.repeats), o.out)
+print_table("%d spheres, one thread" % o.n, ["neighbours", "height [m]"], take_turns(codes, o.repeats), o.out,
+            "bed of " + ("{:,}".format(o.n).replace(",", " ") if o.n >= 10000 else str(o.n)))

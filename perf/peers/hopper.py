@@ -186,4 +186,4 @@ if shutil.which("liggghts"):
     codes.append(("LIGGGHTS", lambda: run_peer(["liggghts", "-log", "none", "-in", "hopper.liggghts"])))
 if shutil.which("yade"):
     codes.append(("YADE", run_yade))
-print_table("hopper, %d spheres, one thread" % n, ["mass flow [kg/s]", "its error"], take_turns(codes, o.repeats), o.out)
+print_table("hopper, %d spheres, one thread" % n, ["mass flow [kg/s]", "its error"], take_turns(codes, o.repeats), o.out, "hopper of 20 000")

@@ -129,8 +129,13 @@ def take_turns(codes, repeats):
     return seen
 
 
-def print_table(title, checks, seen, folder):
-    """Medians, over that of the first code, and the checks (names) of the last repeat; also to table.md."""
+# codes in docs/performance/figures.csv, where their names differ
+SHORT = {"LAMMPS gran/hertz/history": "LAMMPS", "LAMMPS granular (Mindlin, Tsuji)": "LAMMPS granular"}
+
+
+def print_table(title, checks, seen, folder, case=None):
+    """Medians, over that of the first code, and the checks (names) of the last repeat; also to table.md. The times of a case that pages
+    show also to figures.csv, for `tools/figures.py --take`."""
     lines = ["| %s | ns per sphere and step | smallest, largest | over Epafi | %s |" % (title, " | ".join(checks)), "|---" * (4 + len(checks)) + "|"]
     ours = statistics.median(r[0] for r in seen["Epafi"])
     for name, results in seen.items():
@@ -143,6 +148,15 @@ def print_table(title, checks, seen, folder):
     print(text + "load of the machine: %.1f" % os.getloadavg()[0])
     with open(os.path.join(folder, "table.md"), "w") as f:
         f.write(text)
+    if case is None:
+        return
+    with open(os.path.join(folder, "figures.csv"), "w") as f:
+        f.write("case,code,value,low,high,unit\n")
+        for name, results in seen.items():
+            ns = [r[0] for r in results]
+            if ns:
+                f.write("%s,%s,%.0f,%.0f,%.0f,ns per sphere and step\n"
+                        % (case, SHORT.get(name, name), statistics.median(ns), min(ns), max(ns)))
 
 
 def foretold(program, scene, folder):
