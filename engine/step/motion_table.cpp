@@ -12,7 +12,7 @@ MotionTable::MotionTable(Rows rows, Of of, Baseline baseline, double repeats)
     : time_(std::move(rows.time)), of_(of), repeats_(repeats) {
   EPAFI_REQUIRE(time_.size() >= 2 && time_.size() == rows.value.size(), "a table has two rows at least");
   if (baseline != Baseline::none) take_baseline(rows.value, baseline);
-  way_ = way_of(rows.value);
+  path_ = path_through(rows.value);
 }
 
 /// Clamped: first derivative 0 at both ends. Thomas' algorithm for the second derivatives.
@@ -37,12 +37,12 @@ std::vector<MotionTable::Stretch> MotionTable::spline(const std::vector<Vec3>& x
   return out;
 }
 
-MotionTable::Way MotionTable::way_of(const std::vector<Vec3>& values) const {
-  Way way;
+MotionTable::Path MotionTable::path_through(const std::vector<Vec3>& values) const {
+  Path path;
   if (of_ == Of::displacement) {
     std::vector<Vec3> from_rest = values;
     for (Vec3& x : from_rest) x -= values.front();
-    way.stretches = spline(from_rest);
+    path.stretches = spline(from_rest);
   } else {
     Vec3 x = Vec3::Zero(), v = of_ == Of::velocity ? values.front() : Vec3(Vec3::Zero());
     for (std::size_t k = 0; k + 1 < values.size(); ++k) {
@@ -52,26 +52,26 @@ MotionTable::Way MotionTable::way_of(const std::vector<Vec3>& values) const {
                                             : Stretch{x, v, 0.5 * values[k], rise / 6.0};
       x = s.at(h);
       v = s.speed(h);
-      way.stretches.push_back(s);
+      path.stretches.push_back(s);
     }
   }
-  for (std::size_t k = 0; k < way.stretches.size(); ++k) way.mean += way.stretches[k].integral(length(k)) / period();
-  const double last = length(way.stretches.size() - 1);
-  way.end = way.stretches.back().at(last);
-  way.speed = way.stretches.back().speed(last);
-  return way;
+  for (std::size_t k = 0; k < path.stretches.size(); ++k) path.mean += path.stretches[k].integral(length(k)) / period();
+  const double last = length(path.stretches.size() - 1);
+  path.end = path.stretches.back().at(last);
+  path.speed = path.stretches.back().speed(last);
+  return path;
 }
 
-/// The way is linear in the rows: the shares of the powers of time are those with which end, speed and mean vanish.
+/// The path is linear in the rows: the shares of the powers of time are those with which end, speed and mean vanish.
 void MotionTable::take_baseline(std::vector<Vec3>& values, Baseline baseline) const {
   const bool rests = of_ == Of::displacement;  // both ends of a displacement are at rest anyhow
   const int unknowns = (baseline == Baseline::linear ? 2 : 3) - (rests ? 1 : 0);
-  const auto conditions = [&](const Way& way, int component) {
+  const auto conditions = [&](const Path& path, int component) {
     Eigen::VectorXd c(unknowns);
     int row = 0;
-    c[row++] = way.end[component];
-    if (!rests) c[row++] = way.speed[component];
-    if (row < unknowns) c[row] = way.mean[component];
+    c[row++] = path.end[component];
+    if (!rests) c[row++] = path.speed[component];
+    if (row < unknowns) c[row] = path.mean[component];
     return c;
   };
   const auto power = [&](std::size_t k, int p) { return std::pow((time_[k] - time_.front()) / period(), p); };
@@ -82,9 +82,9 @@ void MotionTable::take_baseline(std::vector<Vec3>& values, Baseline baseline) co
     std::vector<Vec3> rows(values.size());
     for (std::size_t k = 0; k < rows.size(); ++k)
       rows[k] = Vec3::Constant(power(k, powers[static_cast<std::size_t>(j)]));
-    influence.col(j) = conditions(way_of(rows), 0);
+    influence.col(j) = conditions(path_through(rows), 0);
   }
-  const Way raw = way_of(values);
+  const Path raw = path_through(values);
   const auto solver = influence.fullPivLu();
   for (int component = 0; component < 3; ++component) {
     const Eigen::VectorXd share = solver.solve(conditions(raw, component));
@@ -108,15 +108,15 @@ MotionTable::Found MotionTable::find(double time) const {
 Vec3 MotionTable::displacement(double time) const {
   if (time <= begin()) return Vec3::Zero();
   const Found f = find(time);
-  return way_.stretches[f.stretch].at(f.since) + f.rounds * way_.end;
+  return path_.stretches[f.stretch].at(f.since) + f.rounds * path_.end;
 }
 
 Vec3 MotionTable::velocity(double time) const {
   if (time < begin() || time >= end()) return Vec3::Zero();
   const Found f = find(time);
-  return way_.stretches[f.stretch].speed(f.since);
+  return path_.stretches[f.stretch].speed(f.since);
 }
 
-Vec3 MotionTable::last_velocity() const { return way_.speed; }
+Vec3 MotionTable::last_velocity() const { return path_.speed; }
 
 }  // namespace epafi

@@ -1,4 +1,4 @@
-/// @file motion_table.h  A way by a table: displacement, velocity or acceleration at times that need not be even.
+/// @file motion_table.h  A path by a table: displacement, velocity or acceleration at times that need not be even.
 /// Displacement: the cubic spline through the rows that rests at both ends, so that acceleration is continuous inside
 /// and bounded everywhere (de Boor 1978, ch. 4). Velocity and acceleration: straight lines between the rows, integrated
 /// exactly. Either way the displacement is a polynomial of degree 3 at most between two rows. Before the first row the
@@ -14,7 +14,7 @@ namespace epafi {
 class MotionTable {
  public:
   enum class Of { displacement, velocity, acceleration };
-  /// What is taken from the rows so that the way ends well. linear: a straight line, so that the body ends where it
+  /// What is taken from the rows so that the path ends well. linear: a straight line, so that the body ends where it
   /// began and at rest (of a displacement: where it began). quadratic: a parabola, so that its mean displacement is 0
   /// too.
   enum class Baseline { none, linear, quadratic };
@@ -43,7 +43,7 @@ class MotionTable {
     Vec3 integral(double s) const { return s * (x0 + s * (v0 / 2.0 + s * (b / 3.0 + s * (c / 4.0)))); }
   };
   /// The path through some rows, and the quantities that a baseline sets to zero.
-  struct Way {
+  struct Path {
     std::vector<Stretch> stretches;
     Vec3 end = Vec3::Zero(), speed = Vec3::Zero(), mean = Vec3::Zero();  ///< [m], [m/s], [m]
   };
@@ -51,7 +51,7 @@ class MotionTable {
   double period() const { return time_.back() - time_.front(); }
   double length(std::size_t k) const { return time_[k + 1] - time_[k]; }
   std::vector<Stretch> spline(const std::vector<Vec3>& x) const;
-  Way way_of(const std::vector<Vec3>& values) const;
+  Path path_through(const std::vector<Vec3>& values) const;
   void take_baseline(std::vector<Vec3>& values, Baseline baseline) const;
   /// Stretch and time within it, after so many whole tables.
   struct Found {
@@ -64,7 +64,7 @@ class MotionTable {
   std::vector<double> time_;
   Of of_;
   double repeats_;
-  Way way_;
+  Path path_;
 };
 
 }  // namespace epafi

@@ -9,30 +9,30 @@
 namespace epafi {
 
 namespace parallel_detail {
-/// Parts that one thread has found and not finished, each with the number of its accumulator ("tray").
+/// Parts that one thread has found and not finished, each with the number of its accumulator.
 class Waiting {
  public:
-  Waiting(std::size_t first, std::size_t trays) : free_(kept_free()), parts_(kept_parts()) {
-    free_.resize(trays);
+  Waiting(std::size_t first, std::size_t accumulators) : free_(kept_free()), parts_(kept_parts()) {
+    free_.resize(accumulators);
     parts_.clear();
     std::iota(free_.rbegin(), free_.rend(), first);  // the lowest first: those it had in the last call
   }
   std::size_t size() const { return parts_.size(); }
-  std::size_t tray() const { return free_.back(); }
+  std::size_t accumulator() const { return free_.back(); }
   void add(std::size_t part) {
-    parts_.push_back({part, tray(), 0});
+    parts_.push_back({part, accumulator(), 0});
     free_.pop_back();
   }
 
-  /// Calls finish(part, tray) for the parts that are ready(part, seen); returns whether there were any. `seen` keeps
-  /// the number of sources that are known to be found.
+  /// Calls finish(part, accumulator) for the parts that are ready(part, seen); returns whether there were any. `seen`
+  /// keeps the number of sources that are known to be found.
   template <class Ready, class Finish>
   bool finish_ready(const Ready& ready, const Finish& finish) {
     const std::size_t before = size();
     std::erase_if(parts_, [&](Part& p) {
       if (!ready(p.part, p.seen)) return false;
-      finish(p.part, p.tray);
-      free_.push_back(p.tray);
+      finish(p.part, p.accumulator);
+      free_.push_back(p.accumulator);
       return true;
     });
     return size() < before;
@@ -40,7 +40,7 @@ class Waiting {
 
  private:
   struct Part {
-    std::size_t part, tray, seen;
+    std::size_t part, accumulator, seen;
   };
   static std::vector<std::size_t>& kept_free() {
     thread_local std::vector<std::size_t> kept;
@@ -120,16 +120,16 @@ void order_wavefront(std::size_t n, std::size_t threads, const Sources& sources,
   });
 }
 
-/// Calls find(i, tray) for i in [0, n), and on the same thread finish(i, tray, next) once find(k) is done for all k in
-/// sources(i), which are below i. next: the part that the thread finds next, for prefetching; i where none is left.
-/// Parts are shared out in runs. A part that waits for its sources keeps its accumulator (tray) while the thread goes
-/// on; thread t has `trays` of them, from t * trays on. order: of the parts of each run; ascending if it is empty or a
-/// run has more parts than `trays` (a thread with all trays in use could wait for a part that no thread takes).
-/// (Dealing parts to whichever thread is free sends most of their output to the other one: contacts of a bed of 100 000
-/// gained 1.53x on two threads, in runs 1.92x.)
+/// Calls find(i, accumulator) for i in [0, n), and on the same thread finish(i, accumulator, next) once find(k) is done
+/// for all k in sources(i), which are below i. next: the part that the thread finds next, for prefetching; i where none
+/// is left. Parts are shared out in runs. A part that waits for its sources keeps its accumulator while the thread goes
+/// on; thread t has `accumulators` of them, from t * accumulators on. order: of the parts of each run; ascending if it
+/// is empty or a run has more parts than `accumulators` (a thread with all accumulators in use could wait for a part
+/// that no thread takes). (Dealing parts to whichever thread is free sends most of their output to the other one:
+/// contacts of a bed of 100 000 gained 1.53x on two threads, in runs 1.92x.)
 template <class Sources, class Find, class Finish>
-void parallel_wavefront(std::size_t n, std::size_t trays, std::span<const std::uint32_t> order, const Sources& sources,
-                        const Find& find, const Finish& finish) {
+void parallel_wavefront(std::size_t n, std::size_t accumulators, std::span<const std::uint32_t> order,
+                        const Sources& sources, const Find& find, const Finish& finish) {
   const SharedOut meter(n > 1);
   const std::size_t threads = n < 2 ? 1 : team_size();
   if (threads == 1) {
@@ -142,13 +142,13 @@ void parallel_wavefront(std::size_t n, std::size_t trays, std::span<const std::u
   parallel_detail::Finds finds(n, std::min(n, threads));
   const LoopRuns runs(n, threads);
   const bool is_for_all = threads == static_cast<std::size_t>(thread_count());
-  const bool in_order = is_for_all && order.size() == n && n <= trays * threads;
+  const bool in_order = is_for_all && order.size() == n && n <= accumulators * threads;
   const auto go_through = [&](std::size_t thread) {
-    parallel_detail::Waiting waiting(thread * trays, trays);
+    parallel_detail::Waiting waiting(thread * accumulators, accumulators);
     const auto part_at = [&](std::size_t place) -> std::size_t { return in_order ? order[place] : place; };
-    const auto finish_one = [&](std::size_t i, std::size_t tray) {
+    const auto finish_one = [&](std::size_t i, std::size_t accumulator) {
       const std::size_t place = runs.next_own(thread);
-      finish(i, tray, place < n ? part_at(place) : i);
+      finish(i, accumulator, place < n ? part_at(place) : i);
     };
     const auto ready = [&](std::size_t i, std::size_t& seen) {
       const auto& all = sources(i);
@@ -166,10 +166,10 @@ void parallel_wavefront(std::size_t n, std::size_t trays, std::span<const std::u
     runs.each(thread, [&](std::size_t place) {
       if (!goes_on) return;
       const std::size_t i = part_at(place);
-      find(i, waiting.tray());
+      find(i, waiting.accumulator());
       waiting.add(i);
       finds.add(thread, i);
-      goes_on = finish_until(trays - 1);
+      goes_on = finish_until(accumulators - 1);
     });
     if (goes_on) finish_until(0);
   };

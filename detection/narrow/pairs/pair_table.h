@@ -91,7 +91,7 @@ inline PairQuery query_of(const BatchInput& in, const Pair& p, std::size_t k) {
 /// How a pair is decided; `exchanged`: by the function of (B, A).
 /// balls: both consist of balls; parts: convex ones, selected by a search; parts_of_a, parts_of_b: every part is
 /// tested.
-enum class Way {
+enum class PairMethod {
   balls,
   closed,
   closed_exchanged,
@@ -105,22 +105,25 @@ enum class Way {
 };
 
 template <class A, class B>
-constexpr Way way() {
+constexpr PairMethod pair_method() {
   if constexpr (requires(const A& a, const B& b, const PairQuery& q, ContactSink& s) { collide_balls(a, b, q, s); }) {
-    return Way::balls;
+    return PairMethod::balls;
   } else if constexpr (Compound<A> || Compound<B>) {
-    constexpr Way by = way<PartOf<A>, PartOf<B>>();
-    return by == Way::none ? by : by == Way::convex ? Way::parts : Compound<A> ? Way::parts_of_a : Way::parts_of_b;
+    constexpr PairMethod by = pair_method<PartOf<A>, PartOf<B>>();
+    return by == PairMethod::none     ? by
+           : by == PairMethod::convex ? PairMethod::parts
+           : Compound<A>              ? PairMethod::parts_of_a
+                                      : PairMethod::parts_of_b;
   } else if constexpr (HasClosedForm<A, B>) {
-    return Way::closed;
+    return PairMethod::closed;
   } else if constexpr (HasClosedForm<B, A>) {
-    return Way::closed_exchanged;
+    return PairMethod::closed_exchanged;
   } else if constexpr (HasTriangles<A, B>) {
-    return Way::triangles;
+    return PairMethod::triangles;
   } else if constexpr (HasTriangles<B, A>) {
-    return Way::triangles_exchanged;
+    return PairMethod::triangles_exchanged;
   } else {
-    return ConvexShape<A> && ConvexShape<B> ? Way::convex : Way::none;
+    return ConvexShape<A> && ConvexShape<B> ? PairMethod::convex : PairMethod::none;
   }
 }
 
@@ -138,17 +141,18 @@ void each_part(const C& whole, const Pose& pose, const B& other, const Pose& far
 /// Appends the contacts of one pair with the concrete shapes. triangles: candidates, where one of them is a mesh.
 template <class A, class B>
 void meet(const A& a, const B& b, const PairQuery& q, ContactSink& s, std::span<const std::uint32_t> triangles) {
-  constexpr Way by = way<A, B>();
-  if constexpr (by == Way::closed_exchanged || by == Way::triangles_exchanged) s.flip(q.b.position - q.a.position);
-  if constexpr (by == Way::balls) collide_balls(a, b, q, s);
-  if constexpr (by == Way::closed) collide_closed(a, b, q, s);
-  if constexpr (by == Way::closed_exchanged) collide_closed(b, a, q.exchanged(), s);
-  if constexpr (by == Way::triangles) collide_triangles(a, b, triangles, q, s);
-  if constexpr (by == Way::triangles_exchanged) collide_triangles(b, a, triangles, q.exchanged(), s);
-  if constexpr (by == Way::convex) collide(a, b, q, s);
-  if constexpr (by == Way::parts)
+  constexpr PairMethod by = pair_method<A, B>();
+  if constexpr (by == PairMethod::closed_exchanged || by == PairMethod::triangles_exchanged)
+    s.flip(q.b.position - q.a.position);
+  if constexpr (by == PairMethod::balls) collide_balls(a, b, q, s);
+  if constexpr (by == PairMethod::closed) collide_closed(a, b, q, s);
+  if constexpr (by == PairMethod::closed_exchanged) collide_closed(b, a, q.exchanged(), s);
+  if constexpr (by == PairMethod::triangles) collide_triangles(a, b, triangles, q, s);
+  if constexpr (by == PairMethod::triangles_exchanged) collide_triangles(b, a, triangles, q.exchanged(), s);
+  if constexpr (by == PairMethod::convex) collide(a, b, q, s);
+  if constexpr (by == PairMethod::parts)
     each_part_pair(a, b, q, s, [&](const auto& x, const auto& y, const PairQuery& p) { collide(x, y, p, s); });
-  if constexpr (by == Way::parts_of_a) {
+  if constexpr (by == PairMethod::parts_of_a) {
     each_part(a, q.a, b, q.b, q.reach, [&](const auto& part, const Pose& pose, std::size_t k) {
       const Vec3 offset = pose.position - q.a.position;
       s.enter_part(k, offset);
@@ -156,7 +160,7 @@ void meet(const A& a, const B& b, const PairQuery& q, ContactSink& s, std::span<
       s.leave_part(offset);
     });
   }
-  if constexpr (by == Way::parts_of_b) {
+  if constexpr (by == PairMethod::parts_of_b) {
     each_part(b, q.b, a, q.a, q.reach, [&](const auto& part, const Pose& pose, std::size_t k) {
       s.enter_part(k, Vec3::Zero());
       meet(a, part, q.of_parts(q.a, pose), s, triangles);
@@ -233,23 +237,25 @@ void run_of(const BatchInput& in, std::span<const Pair> pairs, ContactSink& sink
 template <class A, class B>
 constexpr const char* method_name() {
   if constexpr (Compound<A> || Compound<B>) return "parts";
-  if constexpr (way<A, B>() == Way::triangles || way<A, B>() == Way::triangles_exchanged) return "mesh";
-  if constexpr (way<A, B>() == Way::convex && quick_distance<A, B>() != nullptr) return "common-normal";
-  if constexpr (way<A, B>() == Way::convex) return PolyhedralShape<A> && PolyhedralShape<B> ? "sat" : "gjk-epa";
+  if constexpr (pair_method<A, B>() == PairMethod::triangles || pair_method<A, B>() == PairMethod::triangles_exchanged)
+    return "mesh";
+  if constexpr (pair_method<A, B>() == PairMethod::convex && quick_distance<A, B>() != nullptr) return "common-normal";
+  if constexpr (pair_method<A, B>() == PairMethod::convex)
+    return PolyhedralShape<A> && PolyhedralShape<B> ? "sat" : "gjk-epa";
   return "closed-form";
 }
 
 template <class A, class B>
 constexpr PairCell make_cell() {
-  if constexpr (way<A, B>() == Way::none) {
+  if constexpr (pair_method<A, B>() == PairMethod::none) {
     return {};
   } else {
     PairCell cell{&run_of<A, B>,
                   nullptr,
                   nullptr,
                   method_name<A, B>(),
-                  way<A, B>() == Way::convex || way<A, B>() == Way::parts,
-                  way<A, B>() == Way::parts};
+                  pair_method<A, B>() == PairMethod::convex || pair_method<A, B>() == PairMethod::parts,
+                  pair_method<A, B>() == PairMethod::parts};
     if constexpr (HollowShape<A> || HollowShape<B>) {
       cell.near = [](const BatchInput& in, const Pair& p, double margin) {
         if constexpr (HollowShape<A>)
