@@ -82,7 +82,7 @@ std::string springs_text(const Assembly& a) {
 std::string export_springs(const std::filesystem::path& folder) {
   const StoredRun run(folder / "run.h5");
   if (run.snapshots() == 0 || about_from_text(run.about()).springs.empty()) return "";
-  const double time = run.time(run.snapshots() - 1);
+  const double snapshot = run.time(run.snapshots() - 1);
   std::shared_ptr<MadeRun> made;
   try {
     made = open_made_run(folder);
@@ -90,11 +90,11 @@ std::string export_springs(const std::filesystem::path& folder) {
     return fmt::format("springs.toml is not written: {}", trouble.what());
   }
   const Assembly& a = *made->assembly;
-  if (const World& world = a.simulation->world; std::abs(world.time - time) > 0.5 * a.time_step.value)
+  const double time = a.simulation->world.time;
+  if (time < snapshot - 0.5 * a.time_step.value)
     return fmt::format(
-        "springs.toml is not written: the checkpoint is of {:.6g} s, bodies.csv of {:.6g} s; end the run by --until, "
-        "or `epafi resume` it",
-        world.time, time);
+        "springs.toml is not written: the checkpoint is of {:.6g} s, bodies.csv of {:.6g} s; `epafi resume` the run",
+        time, snapshot);
   const std::filesystem::path path = folder / "springs.toml";
   SideFile side(path);
   std::ofstream out(side.path(), std::ios::binary);

@@ -22,6 +22,7 @@
 #include "scenes/cli/schema_json.h"
 #include "scenes/folder_lock.h"
 #include "scenes/full_registry.h"
+#include "scenes/last_state.h"
 #include "scenes/reader/scene_reader.h"
 #include "scenes/session.h"
 #include "scenes/several_ranks.h"
@@ -369,11 +370,14 @@ int command_new(const std::string& kind) {
 }
 
 int command_export(const std::string& directory, const std::string& format) {
-  const ExportReport report = export_run(directory, format == "csv" ? ExportFormat::csv : ExportFormat::vtk);
+  const bool tables = format == "csv";
+  const LastState last = tables ? last_state(directory) : LastState{};
+  const ExportReport report = export_run(directory, tables ? ExportFormat::csv : ExportFormat::vtk, last.bodies);
   say(fmt::format("{} snapshots and {} measures exported from {}/run.h5", report.snapshots, report.measures,
                   directory));
+  if (!last.note.empty()) say("epafi: note: " + last.note);
   for (const std::string& note : report.notes) say("epafi: note: " + note);
-  if (format != "csv") return exit_done;
+  if (!tables) return exit_done;
   if (const std::string note = export_springs(directory); !note.empty()) say("epafi: note: " + note);
   return exit_done;
 }

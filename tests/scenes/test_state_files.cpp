@@ -6,6 +6,7 @@
 
 #include "engine/step/contact_pieces.h"
 #include "scenes/full_registry.h"
+#include "scenes/last_state.h"
 #include "scenes/reader/scene_reader.h"
 #include "scenes/session.h"
 #include "tests/support/catch.h"
@@ -107,6 +108,45 @@ TEST_CASE("a state that was exported goes on with the bodies and energies it had
   CHECK(after.elastic == Approx(before.elastic).epsilon(1e-6));
   CHECK(again->scene.groups.size() == 5);
   CHECK(again->scene.groups[4].name == "more");
+}
+
+TEST_CASE("bodies of a run that was stopped are those of where it stopped", "[scenes][export]") {
+  for (const std::uint64_t steps : {2100u, 2737u, 3999u}) {
+    INFO("after " << steps << " steps, snapshots after 0 and 2000");
+    const TemporaryFolder folder;
+    const std::string path = (folder.path() / "scene.toml").string();
+    std::ofstream(path) << state_head + state_bodies;
+    ReadResult read = read_scene(path, {}, full_registry());
+    REQUIRE(read.scene);
+    Session run(assemble(std::move(*read.scene)), {}, folder / "out");
+    REQUIRE(run.run({.steps = steps}, true) == Ending::until);
+    const LastState last = last_state(folder / "out");
+    CHECK_THAT(last.note, Catch::StartsWith("bodies.csv is of 0.0") && Catch::Contains("last snapshot is of 0.02 s"));
+    export_run(folder / "out", ExportFormat::csv, last.bodies);
+    auto again = assembled(state_head + "[[bodies]]\nfile = \"out/bodies.csv\"\n", folder.path());
+    const World &was = run.assembly().simulation->world, &is = again->simulation->world;
+    REQUIRE(is.size() == was.size());
+    for (std::uint32_t id = 0; id < was.ids_given(); ++id) {
+      const Slot s = was.slot_of(static_cast<BodyId>(id)), t = is.slot_of(static_cast<BodyId>(id));
+      REQUIRE(is.position[t] == was.position[s]);
+    }
+  }
+}
+
+TEST_CASE("of a run that is done or was stopped before its bodies came the last snapshot stays", "[scenes][export]") {
+  for (const std::uint64_t steps : {50u, 4000u}) {
+    const TemporaryFolder folder;
+    const std::string path = (folder.path() / "scene.toml").string();
+    std::ofstream(path) << state_head + state_bodies;
+    ReadResult read = read_scene(path, {}, full_registry());
+    REQUIRE(read.scene);
+    Session run(assemble(std::move(*read.scene)), {}, folder / "out");
+    run.run({.steps = steps}, true);
+    const LastState last = last_state(folder / "out");
+    CHECK(last.bodies.empty());
+    if (steps == 50u) CHECK_THAT(last.note, Catch::Contains("not of the state where the run stopped"));
+    if (steps == 4000u) CHECK(last.note.empty());
+  }
 }
 
 TEST_CASE("every body that ever came has its row in run.h5, the axes are those of the scene", "[scenes][export]") {

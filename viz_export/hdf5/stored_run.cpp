@@ -185,7 +185,8 @@ std::vector<StoredMeasure> StoredRun::Impl::read_measures() const {
 
 StoredWords StoredRun::words(const BodyRecord& b) const {
   StoredWords out;
-  if (const std::int32_t surface = impl_->surface.at(b.id); surface >= 0) {
+  const std::int32_t surface = b.id < impl_->surface.size() ? impl_->surface[b.id] : -1;
+  if (surface >= 0) {
     const Impl::Name& name = impl_->names[static_cast<std::size_t>(surface)];
     out.shape = name.shape;
     out.size = name.size;

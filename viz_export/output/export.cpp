@@ -69,10 +69,10 @@ std::string csv_cell(const std::string& text) {
 }
 
 /// The free bodies as [[bodies]] reads them: what they are in the words of the scene, as far as the run file has them.
-void write_bodies_csv(const std::filesystem::path& path, const StoredRun& run, const StoredSnapshot& last) {
+void write_bodies_csv(const std::filesystem::path& path, const StoredRun& run, const std::vector<BodyRecord>& bodies) {
   std::vector<StoredWords> words;
   bool sized = false, material = true, group = false;
-  for (const BodyRecord& b : last.bodies) {
+  for (const BodyRecord& b : bodies) {
     words.push_back(run.words(b));
     if (b.is_wall()) continue;
     sized = sized || b.surface != nullptr;
@@ -80,8 +80,8 @@ void write_bodies_csv(const std::filesystem::path& path, const StoredRun& run, c
     group = group || !words.back().group.empty();
   }
   std::string rows;
-  for (std::size_t k = 0; k < last.bodies.size(); ++k) {
-    const BodyRecord& b = last.bodies[k];
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const BodyRecord& b = bodies[k];
     if (b.is_wall()) continue;
     append_state(rows, b);
     const bool is_sphere = b.surface == nullptr;
@@ -97,15 +97,15 @@ void write_bodies_csv(const std::filesystem::path& path, const StoredRun& run, c
 }
 
 /// bodies.csv holds bodies only: a warning says what it leaves out.
-std::vector<std::string> notes_on_bodies(const StoredRun& run, const StoredSnapshot& last) {
+std::vector<std::string> notes_on_bodies(const StoredRun& run, const std::vector<BodyRecord>& bodies) {
   const auto is_free = [](const BodyRecord& b) { return !b.is_wall(); };
   const auto has_axes = [&](const BodyRecord& b) { return is_free(b) && b.surface != nullptr; };
   std::vector<std::string> notes;
-  if (std::ranges::none_of(last.bodies, is_free)) return notes;
+  if (std::ranges::none_of(bodies, is_free)) return notes;
   notes.push_back(
       "bodies.csv holds bodies, not what contacts remember: in a run that starts from it springs of friction and "
       "rolling begin at zero; `epafi resume` keeps them");
-  if (!run.has_axes_of_the_scene() && std::ranges::any_of(last.bodies, has_axes))
+  if (!run.has_axes_of_the_scene() && std::ranges::any_of(bodies, has_axes))
     notes.push_back(
         "run.h5 was written by an older version: its orientations are of principal axes, and bodies.csv reads back "
         "turned where those are not the axes of the shape");
@@ -143,7 +143,8 @@ void write_measures_csv(const std::filesystem::path& path, const std::vector<Sto
 
 }  // namespace
 
-ExportReport export_run(const std::filesystem::path& folder, ExportFormat format) {
+ExportReport export_run(const std::filesystem::path& folder, ExportFormat format,
+                        const std::vector<BodyRecord>& later) {
   if (!std::filesystem::exists(folder / "run.h5")) throw FileError(no_run_text(folder, "export"));
   const StoredRun run(folder / "run.h5");
   ExportReport report{run.snapshots(), 0, {}};
@@ -158,8 +159,9 @@ ExportReport export_run(const std::filesystem::path& folder, ExportFormat format
   write_snapshots_csv(folder / "snapshots.csv", run);
   if (run.snapshots() > 0) {
     const StoredSnapshot last = run.snapshot(run.snapshots() - 1);
-    write_bodies_csv(folder / "bodies.csv", run, last);
-    report.notes = notes_on_bodies(run, last);
+    const std::vector<BodyRecord>& bodies = later.empty() ? last.bodies : later;
+    write_bodies_csv(folder / "bodies.csv", run, bodies);
+    report.notes = notes_on_bodies(run, bodies);
   }
   const auto measures = run.measures();
   report.measures = measures.size();
