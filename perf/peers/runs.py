@@ -99,7 +99,7 @@ def resumed(program, scene, folder, warm, last, *words, cwd=None):
             return json.load(file)
 
     return (call("run", scene, *words, "--force", "--least-output", "--steps", str(warm), "-o", folder),
-            call("resume", folder, "--steps", str(last)))
+            call("resume", folder, "--steps", str(last - warm)))
 
 
 def without_output(summary):
@@ -136,7 +136,7 @@ SHORT = {"LAMMPS gran/hertz/history": "LAMMPS", "LAMMPS granular (Mindlin, Tsuji
 def print_table(title, checks, seen, folder, case=None):
     """Medians, over that of the first code, and the checks (names) of the last repeat; also to table.md. The times of a case that pages
     show also to figures.csv, for `tools/figures.py --take`."""
-    lines = ["| %s | ns per sphere and step | smallest, largest | over Epafi | %s |" % (title, " | ".join(checks)), "|---" * (4 + len(checks)) + "|"]
+    lines = ["| %s | ns per body and step | smallest, largest | over Epafi | %s |" % (title, " | ".join(checks)), "|---" * (4 + len(checks)) + "|"]
     ours = statistics.median(r[0] for r in seen["Epafi"])
     for name, results in seen.items():
         if results:
