@@ -12,7 +12,7 @@ namespace {
 
 constexpr double crease = 0.86;         // cosine: 31 degrees
 constexpr double curved_crease = 0.47;  // 62 degrees: facets of drawn ellipsoids are bent by 30 and more at thin ends
-constexpr std::ptrdiff_t most_refined = 2000;  // bodies: 500 triangles each
+constexpr std::size_t most_refined = 250'000;  // triangles of all curved bodies
 constexpr float same_place = 1e-5f;            // of the mesh's size: the seam of a turned profile is closed
 
 /// Normals of the polygons (Newell), unit or zero.
@@ -101,25 +101,47 @@ ViewMesh view_mesh(const Surface& s) {
   return mesh;
 }
 
-MeshStore::MeshStore(const std::vector<BodyRecord>& bodies)
-    : refines_(std::count_if(bodies.begin(), bodies.end(), [](const BodyRecord& b) {
-                 return b.surface != nullptr && b.surface->curved;
-               }) <= most_refined) {}
+MeshStore::MeshStore(const std::vector<BodyRecord>& bodies) {
+  std::size_t triangles = 0;
+  for (const BodyRecord& b : bodies)
+    if (b.surface != nullptr && b.surface->curved)
+      triangles += b.surface->connectivity.size() - 2 * b.surface->offsets.size();
+  refines_ = triangles <= most_refined;
+}
+
+namespace {
+
+/// An edge as a face beside it has it: the face's normal, and those of the shading at the edge's ends.
+struct EdgeSide {
+  Vec3 face;
+  std::array<Eigen::Vector3f, 2> shading;
+};
+
+/// Bent so that the shading shows it: facets of a round body share the normals of their corners.
+bool is_crease(const EdgeSide& one, const EdgeSide& two) {
+  constexpr float same_shading = 0.97f;  // cosine
+  if (one.face.dot(two.face) >= crease) return false;
+  return one.shading[0].dot(two.shading[0]) < same_shading || one.shading[1].dot(two.shading[1]) < same_shading;
+}
+
+}  // namespace
 
 std::vector<std::uint32_t> feature_edges(const ViewMesh& mesh) {
   const std::vector<std::uint32_t> same = joined_points(mesh);
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Vec3>> edges;  // normals of faces around
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<EdgeSide>> edges;
   for (std::size_t c = 0; c + 2 < mesh.corners.size(); c += 3) {
     const auto point = [&](std::size_t k) -> Vec3 { return mesh.points[mesh.corners[c + k]].cast<double>(); };
     const Vec3 normal = (point(1) - point(0)).cross(point(2) - point(0)).normalized();
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = same[mesh.corners[c + k]], b = same[mesh.corners[c + (k + 1) % 3]];
-      edges[std::minmax(a, b)].push_back(normal);
+      std::size_t from = c + k, to = c + (k + 1) % 3;
+      if (same[mesh.corners[from]] > same[mesh.corners[to]]) std::swap(from, to);
+      edges[{same[mesh.corners[from]], same[mesh.corners[to]]}].push_back(
+          {normal, {mesh.normals[from], mesh.normals[to]}});
     }
   }
   std::vector<std::uint32_t> out;
-  for (const auto& [ends, normals] : edges)
-    if (normals.size() != 2 || normals[0].dot(normals[1]) < crease) out.insert(out.end(), {ends.first, ends.second});
+  for (const auto& [ends, sides] : edges)
+    if (sides.size() != 2 || is_crease(sides[0], sides[1])) out.insert(out.end(), {ends.first, ends.second});
   return out;
 }
 
