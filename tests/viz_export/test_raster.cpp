@@ -167,14 +167,14 @@ TEST_CASE("a drawn round body is as dark at its outline as the ball that it stan
     const Vec3 eye = 6 * Vec3(any(random), any(random), any(random)).normalized();
     const Camera camera{eye, Vec3::Zero(), Vec3(any(random), any(random), any(random)).normalized(), 24};
     DrawnScene as_ball, as_mesh;
-    as_ball.balls.push_back({{0, 0, 0}, 1.0f, {0.9, 0.9, 0.2}});
+    as_ball.balls.push_back({{0, 0, 0}, 1.0f, {0.9, 0.9, 0.0}});
     for (std::size_t c = 0; c < mesh.corners.size(); c += 3) {
       DrawnTriangle t;
       for (std::size_t e = 0; e < 3; ++e) {
         t.corner[e] = mesh.points[mesh.corners[c + e]];
         t.normal[e] = mesh.normals[c + e];
       }
-      t.colour = {0.9, 0.9, 0.2};
+      t.colour = {0.9, 0.9, 0.0};
       as_mesh.triangles.push_back(t);
     }
     constexpr int side = 200;
@@ -183,12 +183,12 @@ TEST_CASE("a drawn round body is as dark at its outline as the ball that it stan
     int worst = 0, compared = 0;
     for (int y = 0; y < side; ++y)
       for (int x = 0; x < side; ++x) {
-        if (ball.at(x, y)[2] > 100 || drawn.at(x, y)[2] > 100) continue;  // beside one of them
+        if (ball.at(x, y)[2] > 40 || drawn.at(x, y)[2] > 40) continue;  // beside one of them, or partly so
         ++compared;
         worst = std::max(worst, std::abs(ball.at(x, y)[0] - drawn.at(x, y)[0]));
       }
     CHECK(compared > side * side / 3);
-    CHECK(worst < 60);
+    CHECK(worst < 45);  // normals turned round: 98 levels
   }
 }
 

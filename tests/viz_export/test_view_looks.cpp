@@ -112,7 +112,7 @@ TEST_CASE("bodies at rest have the colour of rest, not that of rounding", "[viz_
   CHECK(unlike_pixels(first, second) == 0);
 }
 
-TEST_CASE("sixteen kinds have colours of their own, and a legend says where they repeat", "[viz_export][view]") {
+TEST_CASE("twelve kinds have colours of their own, and further ones repeat them", "[viz_export][view]") {
   const auto apart = [](const Rgb& a, const Rgb& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); };
   for (std::size_t a = 0; a < kinds_apart; ++a) {
     CHECK(kind_colour(a) == kind_colour(a + kinds_apart));

@@ -51,16 +51,15 @@ inline Rgb inferno(double share) {
 /// Of a map: where all have one value.
 inline constexpr double only_share = 0.5;
 
-inline constexpr std::size_t kinds_apart = 16;  ///< further kinds repeat their colours
+inline constexpr std::size_t kinds_apart = 12;  ///< further kinds repeat their colours
 
-/// Eight colours that stay apart for all kinds of colour vision (Okabe and Ito 2008), without black; then the same,
-/// darker.
+/// Eight colours that stay apart for all kinds of colour vision (Okabe and Ito 2008), without black; then four dark
+/// ones.
 inline Rgb kind_colour(std::size_t kind) {
-  constexpr Rgb all[] = {{0.00, 0.45, 0.70}, {0.90, 0.62, 0.00}, {0.00, 0.62, 0.45}, {0.80, 0.47, 0.65},
-                         {0.34, 0.71, 0.91}, {0.84, 0.37, 0.00}, {0.94, 0.89, 0.26}, {0.60, 0.60, 0.60}};
-  const double light = kind % kinds_apart < 8 ? 1.0 : 0.5;
-  const Rgb& full = all[kind % 8];
-  return {light * full[0], light * full[1], light * full[2]};
+  constexpr Rgb all[kinds_apart] = {{0.00, 0.45, 0.70}, {0.90, 0.62, 0.00}, {0.00, 0.62, 0.45}, {0.80, 0.47, 0.65},
+                                    {0.34, 0.71, 0.91}, {0.84, 0.37, 0.00}, {0.94, 0.89, 0.26}, {0.60, 0.60, 0.60},
+                                    {0.00, 0.18, 0.38}, {0.45, 0.31, 0.00}, {0.00, 0.35, 0.15}, {0.42, 0.18, 0.36}};
+  return all[kind % kinds_apart];
 }
 
 }  // namespace epafi

@@ -10,8 +10,8 @@
 namespace epafi {
 namespace {
 
-constexpr double crease = 0.86;         // cosine: 31 degrees
-constexpr double curved_crease = 0.47;  // 62 degrees: facets of drawn ellipsoids are bent by 30 and more at thin ends
+constexpr double crease = 0.86;                // cosine: 31 degrees
+constexpr double curved_crease = 0.47;         // 62 degrees: of bodies with caps
 constexpr std::size_t most_refined = 250'000;  // triangles of all curved bodies
 constexpr float same_place = 1e-5f;            // of the mesh's size: the seam of a turned profile is closed
 
@@ -32,6 +32,15 @@ std::vector<Vec3> polygon_normals(const Surface& s) {
     begin = end;
   }
   return out;
+}
+
+/// The middle of a fan of polygons that lie in one plane: of cylinders and closed tubes, not of round bodies.
+bool has_flat_cap(const std::vector<Vec3>& normals, const std::vector<std::vector<std::uint32_t>>& around) {
+  constexpr double one_plane = 1.0 - 1e-12;
+  return std::ranges::any_of(around, [&](const std::vector<std::uint32_t>& fan) {
+    return fan.size() > 2 &&
+           std::ranges::all_of(fan, [&](std::uint32_t f) { return normals[f].dot(normals[fan.front()]) > one_plane; });
+  });
 }
 
 double largest_coordinate(const Surface& s) {
@@ -78,7 +87,8 @@ ViewMesh view_mesh(const Surface& s) {
       around[static_cast<std::size_t>(s.connectivity[k])].push_back(f);
     begin = static_cast<std::size_t>(s.offsets[f]);
   }
-  const double bend = s.curved ? curved_crease : crease;
+  const bool round = s.curved && !has_flat_cap(normals, around);  // thin ends are bent by any angle
+  const double bend = round ? -2.0 : s.curved ? curved_crease : crease;
   const auto add_corner = [&](std::uint32_t polygon, std::size_t place) {
     const auto point = static_cast<std::uint32_t>(s.connectivity[place]);
     Vec3 sum = Vec3::Zero();

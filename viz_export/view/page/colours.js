@@ -13,7 +13,7 @@ const polynomials = {
 };
 const onlyShare = 0.5;  // of the map: where there is one value
 const kindColours = [[0.0, 0.45, 0.7], [0.9, 0.62, 0.0], [0.0, 0.62, 0.45], [0.8, 0.47, 0.65], [0.34, 0.71, 0.91], [0.84, 0.37, 0.0],
-  [0.94, 0.89, 0.26], [0.6, 0.6, 0.6]];
+  [0.94, 0.89, 0.26], [0.6, 0.6, 0.6], [0.0, 0.18, 0.38], [0.45, 0.31, 0.0], [0.0, 0.35, 0.15], [0.42, 0.18, 0.36]];
 
 function colourAt(map, share) {
   const c = polynomials[map];
@@ -25,12 +25,8 @@ function colourAt(map, share) {
   });
 }
 
-// The eight colours, and the same darker; colours.h has the same.
-const kindsApart = 2 * kindColours.length;
-function kindColour(kind) {
-  const dark = kind % kindsApart >= kindColours.length;
-  return kindColours[kind % kindColours.length].map((v) => (dark ? 0.5 * v : v));
-}
+// Further kinds repeat them.
+const kindColour = (kind) => kindColours[kind % kindColours.length];
 
 function css(rgb) {
   return "rgb(" + rgb.map((v) => Math.round(255 * v)).join(",") + ")";

@@ -34,7 +34,7 @@ function showLegend(field, map, range, resting, kinds) {
     return row;
   }));
   if (named.length < kinds.length) el("legend-kinds").append(`and ${kinds.length - named.length} more`);
-  if (kinds.length > kindsApart) el("legend-kinds").append(`; ${kindsApart} colours, which repeat`);
+  if (kinds.length > kindColours.length) el("legend-kinds").append(`; ${kindColours.length} colours, which repeat`);
 }
 
 // range: null where there are no contacts.

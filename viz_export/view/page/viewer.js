@@ -316,7 +316,7 @@ class Viewer {
       ball.radius = radius[id];
       shown = view.intersectsSphere(ball);
     }
-    const text = free > 0 && !shown ? "the camera sees no body: f shows all, 1 to 7 are other cameras" : "";
+    const text = free > 0 && !shown ? "the camera sees no body: the keys 1 to 7 are other cameras" : "";
     if (text === (this.blind || "")) return;
     this.blind = text;
     this.manifestChanged();
