@@ -76,11 +76,18 @@ TriangleSurface tessellate(const Ellipsoid& ellipsoid, const Fineness& fineness)
 
 TriangleSurface tessellate(const Superquadric& superquadric, const Fineness& fineness) {
   TriangleSurface s = tessellate(Sphere{1.0}, fineness);
-  const double n = superquadric.across, m = superquadric.along;
-  for (Vec3& v : s.vertices) {  // the left side of the surface's equation is homogeneous of degree m
-    const Vec3 u = v.cwiseAbs();
-    const double level = std::pow(std::pow(u.x(), n) + std::pow(u.y(), n), m / n) + std::pow(u.z(), m);
-    v = v.cwiseProduct(superquadric.semi_axes) * std::pow(level, -1.0 / m);
+  // powers of the sines and cosines of both angles (Barr 1981): points gather at the edges, where the normal turns
+  const auto power = [](double base, int exponent) {
+    constexpr double rounding = 1e-12;
+    const double size = std::abs(base);
+    return size < rounding ? 0.0 : std::copysign(std::pow(size, 2.0 / exponent), base);
+  };
+  for (Vec3& v : s.vertices) {
+    const double ring = std::hypot(v.x(), v.y()), out = power(ring, superquadric.along);
+    if (ring > 0.0) v.head<2>() /= ring;
+    v = Vec3(out * power(v.x(), superquadric.across), out * power(v.y(), superquadric.across),
+             power(v.z(), superquadric.along))
+            .cwiseProduct(superquadric.semi_axes);
   }
   return s;
 }

@@ -27,6 +27,10 @@ namespace fs = std::filesystem;
 
 void tell(const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str()); }
 
+void tell_notes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) tell("epafi: note: " + note);
+}
+
 void tell_warnings(const ViewSource& source) {
   for (const std::string& warning : source.warnings()) tell("epafi: warning: " + warning);
 }
@@ -63,7 +67,7 @@ void open_browser(const std::string& address) {
 
 int write_file(const ViewSource& source, const std::string& target) {
   const WrittenPage page = write_page(source, target);
-  for (const std::string& note : page.notes) tell("epafi: note: " + note);
+  tell_notes(page.notes);
   tell_warnings(source);
   tell(fmt::format("{}: {} frames, {:.1f} MB", target, source.times().size(), 1e-6 * static_cast<double>(page.bytes)));
   return exit_done;
@@ -123,8 +127,8 @@ int command_render(const RenderRequest& request) {
   if (is_film && request.time) throw SceneError("--time is for a picture (.png), not for a film");
   if (!is_film && request.every) throw SceneError("--every is for a film (.mp4, .webm), not for a picture");
   if (is_film) {
-    const auto [pictures, rate, note] = render_film(*source, options, request.every.value_or(1), target);
-    if (!note.empty()) tell("epafi: note: " + note);
+    const auto [pictures, rate, notes] = render_film(*source, options, request.every.value_or(1), target);
+    tell_notes(notes);
     if (pictures == 1) tell("epafi: note: the film stands still: it shows one frame" + why_one(*source, request));
     tell_warnings(*source);
     tell(fmt::format("{}: {} picture{}, {:.3g} s at {:.3g} per second", target.string(), pictures,
@@ -134,8 +138,7 @@ int command_render(const RenderRequest& request) {
   const std::size_t frame = request.time ? nearest_frame(times, *request.time) : times.size() - 1;
   if (request.time && (*request.time < times.front() || *request.time > times.back()))
     tell(fmt::format("epafi: note: the run has frames from {:.4g} to {:.4g} s", times.front(), times.back()));
-  if (const std::string note = render_picture(*source, options, frame, target); !note.empty())
-    tell("epafi: note: " + note);
+  tell_notes(render_picture(*source, options, frame, target));
   tell_warnings(*source);
   tell(fmt::format("{}: t = {} s", target.string(), time_text(times, times[frame])));
   return exit_done;

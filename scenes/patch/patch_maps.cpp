@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <sstream>
+#include <tuple>
 
 #include "laws/wheel_rail/fem/elastic_block.h"
 #include "scenes/patch/evaluate_patch.h"
@@ -13,7 +13,7 @@
 namespace epafi {
 namespace {
 
-constexpr double least_width = 240.0, letter = 7.5;  // of a picture, and of a letter in it at most, in the mean
+constexpr double least_width = 400.0;  // of a picture: its legend has room
 
 /// Stick 1, slip 2, outside 0.
 int state_of(const TractionMap& m, std::size_t k) { return m.sticks[k] ? 1 : 2; }
@@ -101,61 +101,143 @@ std::string vti_of(const TractionMap& m) {
   return out + "</CellData>\n</Piece>\n</ImageData>\n</VTKFile>\n";
 }
 
-/// Lines of so many characters at most, where words let it.
-std::vector<std::string> broken(const std::string& text, std::size_t most) {
-  std::vector<std::string> out;
-  std::istringstream words(text);
-  for (std::string word; words >> word;) {
-    if (out.empty() || out.back().size() + 1 + word.size() > most)
-      out.push_back(word);
-    else
-      out.back() += " " + word;
-  }
-  return out;
+/// A tenth, fifth or half of a power of ten, so that about five steps make the length.
+double tick_step(double length) {
+  const double raw = length / 5.0, power = std::pow(10.0, std::floor(std::log10(raw)));
+  for (const double factor : {1.0, 2.0, 5.0})
+    if (factor * power >= raw) return factor * power;
+  return 10.0 * power;
 }
 
-/// Where the patch sticks (dark) and slips (light), the tractions as lines from dots, at most 24 in a row; x to the
-/// right is forwards, y down to the right of the track.
-std::string svg_of(const TractionMap& m, const std::string& title) {
-  const Image g = image_of(m);
-  const double wide = static_cast<double>(g.nx) * g.dx, high = static_cast<double>(g.ny) * g.dy;
-  const double scale = 640.0 / std::max(wide, high), cw = g.dx * scale, ch = g.dy * scale, margin = 24.0;
-  double most = 0.0;
-  for (std::size_t k = 0; k < m.x.size(); ++k) most = std::max(most, std::hypot(m.traction_x[k], m.traction_y[k]));
-  std::string cells, arrows;
-  const std::size_t each = std::max<std::size_t>(1, std::max(g.nx, g.ny) / 24);
-  for (std::size_t c = 0; c < g.source.size(); ++c) {
-    if (g.source[c] < 0) continue;
-    const auto k = static_cast<std::size_t>(g.source[c]);
-    const std::size_t i = c % g.nx, j = c / g.nx;
-    const double x = margin + static_cast<double>(i) * cw, y = margin + static_cast<double>(j) * ch;
-    cells += fmt::format("<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" class=\"{}\"/>\n", x, y,
-                         cw + 0.3, ch + 0.3, state_of(m, k) == 1 ? "stick" : "slip");
-    if (i % each || j % each || !(most > 0.0)) continue;
-    const double length = 0.9 * static_cast<double>(each) * std::max(cw, ch) / most;
-    arrows += fmt::format(
+/// The picture of a patch: cells of an image, axes in millimetres, and what the colours and the lines mean.
+class PatchPicture {
+ public:
+  PatchPicture(const TractionMap& m, const std::string& title) : m_(m), title_(title), g_(image_of(m)) {
+    wide_ = static_cast<double>(g_.nx) * g_.dx;
+    high_ = static_cast<double>(g_.ny) * g_.dy;
+    scale_ = longest_side / std::max(wide_, high_);
+    for (std::size_t k = 0; k < m.x.size(); ++k) most_ = std::max(most_, std::hypot(m.traction_x[k], m.traction_y[k]));
+  }
+
+  std::string svg() {
+    cells();
+    frame();
+    axis(true);
+    axis(false);
+    legend();
+    const double width = left + std::max(least_width, wide_ * scale_) + right,
+                 height = top + high_ * scale_ + below + legend_row * static_cast<double>(rows_);
+    return fmt::format(
+               "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} "
+               "{1:.0f}\" font-family=\"sans-serif\" font-size=\"15\">\n<title>{2}</title>\n<style>.stick{{fill:"
+               "#30638e}}.slip{{fill:#f4c98a}}.traction line{{stroke:#111;stroke-width:1.2}}.axes line{{stroke:#444}}"
+               "</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
+               width, height, html_escaped(title_)) +
+           body_ + "</svg>\n";
+  }
+
+ private:
+  static constexpr double longest_side = 640.0, left = 76.0, right = 40.0, top = 18.0, below = 56.0, legend_row = 24.0;
+
+  double px(double x) const { return left + (x - g_.x0) * scale_; }
+  double py(double y) const { return top + (y - g_.y0) * scale_; }
+
+  /// Where the patch sticks (dark) and slips (light); tractions as lines from dots, at most 24 in a row.
+  void cells() {
+    const double cw = g_.dx * scale_, ch = g_.dy * scale_;
+    const std::size_t each = std::max<std::size_t>(1, std::max(g_.nx, g_.ny) / 24);
+    longest_line_ = 0.9 * static_cast<double>(each) * std::max(cw, ch);
+    std::string arrows;
+    for (std::size_t c = 0; c < g_.source.size(); ++c) {
+      if (g_.source[c] < 0) continue;
+      const auto k = static_cast<std::size_t>(g_.source[c]);
+      const std::size_t i = c % g_.nx, j = c / g_.nx;
+      const double x = left + static_cast<double>(i) * cw, y = top + static_cast<double>(j) * ch;
+      const bool sticks = state_of(m_, k) == 1;
+      (sticks ? sticking_ : slipping_) += 1;
+      body_ += fmt::format("<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" class=\"{}\"/>\n", x, y,
+                           cw + 0.3, ch + 0.3, sticks ? "stick" : "slip");
+      if (i % each || j % each || !(most_ > 0.0)) continue;
+      arrows += traction(x + 0.5 * cw, y + 0.5 * ch, m_.traction_x[k] / most_, m_.traction_y[k] / most_);
+    }
+    body_ += "<g class=\"traction\">\n" + arrows + "</g>\n";
+  }
+
+  /// share: of the largest.
+  std::string traction(double x, double y, double share_x, double share_y) const {
+    return fmt::format(
         "<circle cx=\"{0:.2f}\" cy=\"{1:.2f}\" r=\"1.5\"/><line x1=\"{0:.2f}\" y1=\"{1:.2f}\" x2=\"{2:.2f}\" "
         "y2=\"{3:.2f}\"/>\n",
-        x + 0.5 * cw, y + 0.5 * ch, x + 0.5 * cw + length * m.traction_x[k], y + 0.5 * ch + length * m.traction_y[k]);
+        x, y, x + longest_line_ * share_x, y + longest_line_ * share_y);
   }
-  const std::string caption =
-      fmt::format("x (forwards) to the right; stick dark, slip light; longest traction {:.3g} MPa; {:.3g} by {:.3g} mm",
-                  1e-6 * most, 1e3 * wide, 1e3 * high);
-  const double width = std::max(least_width, wide * scale + 2.0 * margin);
-  const std::vector<std::string> lines = broken(caption, static_cast<std::size_t>((width - 2.0 * margin) / letter));
-  std::string text;
-  for (std::size_t k = 0; k < lines.size(); ++k)
-    text += fmt::format("<text x=\"{}\" y=\"{:.0f}\">{}</text>\n", margin,
-                        high * scale + 2.0 * margin + 10.0 + 17.0 * static_cast<double>(k), lines[k]);
-  return fmt::format(
-             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
-             "font-family=\"sans-serif\" "
-             "font-size=\"13\">\n<title>{2}</"
-             "title>\n<style>.stick{{fill:#30638e}}.slip{{fill:#f4c98a}}line{{stroke:#111;stroke-width:1.2}}"
-             "</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
-             width, high * scale + 2.0 * margin + 7.0 + 17.0 * static_cast<double>(lines.size()), html_escaped(title)) +
-         cells + arrows + text + "</svg>\n";
-}
+
+  void frame() {
+    body_ += fmt::format(
+        "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"none\" stroke=\"#444\"/>\n", left,
+        top, wide_ * scale_, high_ * scale_);
+  }
+
+  /// x to the right is forwards, y down to the right of the track.
+  void axis(bool is_x) {
+    const double from = 1e3 * (is_x ? g_.x0 : g_.y0), to = from + 1e3 * (is_x ? wide_ : high_),
+                 step = tick_step(1e3 * std::max(wide_, high_));
+    const double bottom = top + high_ * scale_;
+    body_ += "<g class=\"axes\">\n";
+    for (double k = std::ceil(from / step); k * step <= to; ++k) {
+      const double at = is_x ? px(1e-3 * k * step) : py(1e-3 * k * step);
+      const std::string text = fmt::format("{:.6g}", k == 0.0 ? 0.0 : k * step);
+      if (is_x)
+        body_ += fmt::format(
+            "<line x1=\"{0:.2f}\" y1=\"{1:.2f}\" x2=\"{0:.2f}\" y2=\"{2:.2f}\"/><text x=\"{0:.2f}\" y=\"{3:.2f}\" "
+            "text-anchor=\"middle\">{4}</text>\n",
+            at, bottom, bottom + 5, bottom + 21, text);
+      else
+        body_ += fmt::format(
+            "<line x1=\"{1:.2f}\" y1=\"{0:.2f}\" x2=\"{2:.2f}\" y2=\"{0:.2f}\"/><text x=\"{3:.2f}\" y=\"{4:.2f}\" "
+            "text-anchor=\"end\">{5}</text>\n",
+            at, left - 5, left, left - 8, at + 5, text);
+    }
+    if (is_x)
+      body_ += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" text-anchor=\"middle\">x, forwards [mm]</text>\n",
+                           left + 0.5 * wide_ * scale_, bottom + 42);
+    else if (names_y())
+      body_ += fmt::format(
+          "<text transform=\"translate(18 {:.2f}) rotate(-90)\" text-anchor=\"middle\">y, to the right, down "
+          "[mm]</text>\n",
+          top + 0.5 * high_ * scale_);
+    body_ += "</g>\n";
+  }
+
+  /// Beside the axis there is room for its name.
+  bool names_y() const { return high_ * scale_ > 200.0; }
+
+  void legend_line(const std::string& mark, const std::string& text) {
+    const double y = top + high_ * scale_ + below + legend_row * static_cast<double>(rows_++);
+    body_ += fmt::format("<g transform=\"translate({:.2f} {:.2f})\">{}<text x=\"40\" y=\"13\">{}</text></g>\n", left, y,
+                         mark, text);
+  }
+
+  /// Of what there is.
+  void legend() {
+    if (!names_y()) legend_line("", "downwards: y, to the right [mm]");
+    const double all = std::max(1.0, static_cast<double>(sticking_ + slipping_));
+    for (const auto& [name, word, count] :
+         {std::tuple{"stick", "sticks", sticking_}, std::tuple{"slip", "slips", slipping_}})
+      if (count > 0)
+        legend_line(fmt::format("<rect width=\"26\" height=\"16\" class=\"{}\"/>", name),
+                    fmt::format("{}: {:.0f} % of the patch", word, 100.0 * static_cast<double>(count) / all));
+    if (!(most_ > 0.0)) return legend_line("", "no traction");
+    legend_line("<g class=\"traction\">" + traction(4, 8, 1, 0) + "</g>",
+                fmt::format("largest traction on the rail: {:.3g} MPa", 1e-6 * most_));
+  }
+
+  const TractionMap& m_;
+  const std::string& title_;
+  Image g_;
+  double wide_ = 0, high_ = 0, scale_ = 1, most_ = 0, longest_line_ = 0;
+  std::size_t sticking_ = 0, slipping_ = 0, rows_ = 0;
+  std::string body_;
+};
 
 /// VTK XML RectilinearGrid: the graded block with displacements at nodes, stresses and their equivalent in elements.
 std::string vtr_of(const BlockStress& b) {
@@ -204,7 +286,7 @@ void write_patch_maps(const std::string& folder, const std::vector<PatchResult>&
       const std::string name = r.normal + "_" + r.tangential + (r.contacts.size() > 1 ? "_" + std::to_string(k) : "");
       write_whole_file(std::filesystem::path(folder) / (name + ".csv"), {csv_of(m)});
       write_whole_file(std::filesystem::path(folder) / (name + ".vti"), {vti_of(m)});
-      write_whole_file(std::filesystem::path(folder) / (name + ".svg"), {svg_of(m, title)});
+      write_whole_file(std::filesystem::path(folder) / (name + ".svg"), {PatchPicture(m, title).svg()});
     }
   }
 }

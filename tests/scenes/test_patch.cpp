@@ -238,7 +238,10 @@ TEST_CASE("maps of a patch hold its force, and its picture the cells that stick"
     return n;
   };
   // one square for each cell of the image, strips of one length each in theirs
-  const std::size_t sticks = count("class=\"stick\""), slips = count("class=\"slip\"");
+  // and one of each kind in the legend
+  const std::size_t sticks = count("class=\"stick\"") - 1, slips = count("class=\"slip\"") - 1;
+  const double share = static_cast<double>(sticks) / static_cast<double>(sticks + slips);
+  CHECK(count(fmt::format("sticks: {:.0f} % of the patch", 100.0 * share)) == 1);
   CHECK(static_cast<double>(sticks) / static_cast<double>(sticks + slips) ==
         Approx(results[0].stick_share).margin(0.1));
   CHECK(std::filesystem::exists(folder / "hertz_fastsim.vti"));
@@ -269,12 +272,24 @@ TEST_CASE("captions of maps stay within pictures of any shape, with the title of
     CHECK(text.find("<title>a &lt; b</title>") != text.npos);
     const auto number = [&](const std::string& word) { return std::stod(text.substr(text.find(word) + word.size())); };
     const double width = number("width=\""), height = number("height=\"");
+    int lines = 0;
     for (std::size_t at = 0; (at = text.find("<text x=\"", at)) != text.npos; ++at) {
-      const double x = std::stod(text.substr(at + 9)), y = std::stod(text.substr(text.find("y=\"", at) + 3));
+      double x = std::stod(text.substr(at + 9)), y = std::stod(text.substr(text.find("y=\"", at) + 3));
+      const std::size_t group = text.rfind("<g ", at);
+      if (text.compare(group, 24, "<g transform=\"translate(") == 0) {  // of the legend
+        x += std::stod(text.substr(group + 24));
+        y += std::stod(text.substr(text.find(' ', group + 24)));
+        ++lines;
+      }
       const std::size_t from = text.find('>', at) + 1, letters = text.find('<', from) - from;
-      CHECK(x + 7.0 * static_cast<double>(letters) < width);  // 13 points of a sans face: 6.5 a letter
+      const double long_by = 8.0 * static_cast<double>(letters);  // 15 points of a sans face: 7.5 a letter
+      const std::string head = text.substr(at, from - at);
+      const double share = head.find("middle") != head.npos ? 0.5 : head.find("\"end\"") != head.npos ? 1.0 : 0.0;
+      CHECK(x + (1 - share) * long_by < width);
+      CHECK(x - share * long_by > 0.0);
       CHECK(y + 4.0 < height);
     }
+    CHECK(lines >= 3);  // what sticks, what slips, the longest line
   }
   std::filesystem::remove_all(folder);
 }

@@ -175,6 +175,49 @@ TEST_CASE("tables of a study can be read: short numbers, the picture first, cons
   fs::remove_all(folder);
 }
 
+TEST_CASE("the report of a sweep plots what came out over what was swept", "[scenes][report][long]") {
+  const fs::path folder = fs::temp_directory_path() / ("epafi-sweep-report-" + std::to_string(::getpid()));
+  fs::remove_all(folder);
+  const std::string program = std::string(EPAFI_BINARY_DIR) + "/bin/epafi";
+  const std::string scene = std::string(EPAFI_SOURCE_DIR) + "/scenes/library/tutorials/05_sweep.toml";
+  REQUIRE(shell(program + " sweep " + scene + " -q --set params.n=20 --set run.duration=0.1 -o " + folder.string() +
+                " > /dev/null 2>&1") == 0);
+  REQUIRE(shell(program + " report " + folder.string() + " 2>/dev/null") == 0);
+  const std::string page = epafi::support::read_text(folder / "report.html");
+  CHECK(page.find("This table moves sideways") != page.npos);
+  CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 8);  // cases, mark, page: no parts
+  if (shell("command -v gnuplot > /dev/null") != 0) {
+    CHECK(page.find("gnuplot is not installed") != page.npos);
+  } else {
+    CHECK(count(page, "<h2>What came out</h2>") == 1);
+    for (const char* axis : {"x", "y", "z"})  // of the heap: over the friction, not over the seed
+      CHECK(count(page, std::string("<figcaption>heap.") + axis + " at the end [m] over params.mu</figcaption>") == 1);
+    CHECK(count(page, "data:image/svg+xml;base64,") == count(page, "over params.mu</figcaption>"));
+  }
+  fs::remove_all(folder);
+}
+
+TEST_CASE("warnings of cases stand above the chart, many of them folded up", "[scenes][report]") {
+  const fs::path folder = fs::temp_directory_path() / ("epafi-warned-report-" + std::to_string(::getpid()));
+  for (const int warnings : {0, 1, 3, 4, 60}) {
+    fs::remove_all(folder);
+    fs::create_directories(folder / "case_000");
+    std::string list;
+    for (int k = 0; k < warnings; ++k) list += (k > 0 ? ", \"w" : "\"w") + std::to_string(k) + " is wrong\"";
+    std::ofstream(folder / "case_000" / "summary.json") << R"({"status": "completed", "warnings": [)" << list << "]}";
+    std::ofstream(folder / "chart.csv") << "method,time\na,1\nb,2\n";
+    std::ofstream(folder / "chart.json") << R"({"title": "warned"})";
+    std::ofstream(folder / "chart.svg") << "<svg xmlns='http://www.w3.org/2000/svg'></svg>";
+    REQUIRE(shell(std::string(EPAFI_BINARY_DIR) + "/bin/epafi report " + folder.string() + " 2>/dev/null") == 0);
+    const std::string page = epafi::support::read_text(folder / "report.html");
+    CHECK(count(page, "is wrong</p>") == static_cast<std::size_t>(warnings));
+    CHECK(count(page, "<details class='warnings'>") == (warnings > 3 ? 1 : 0));
+    if (warnings > 0) CHECK(page.rfind("is wrong</p>") < page.find("data:image/svg+xml"));
+    if (warnings > 3) CHECK(page.find("<details class='warnings'>") < page.find("w3 is wrong"));
+  }
+  fs::remove_all(folder);
+}
+
 TEST_CASE("a folder without a run has no report, and the message says why", "[scenes][report]") {
   const fs::path folder = fs::temp_directory_path() / ("epafi-no-report-" + std::to_string(::getpid()));
   fs::create_directories(folder);

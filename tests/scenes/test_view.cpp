@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "tests/support/background.h"
 #include "tests/support/browser.h"
 #include "tests/support/catch.h"
 #include "tests/support/document.h"
@@ -376,37 +377,11 @@ TEST_CASE("the page draws the stored picture", "[scenes][view][long]") {
   CHECK(difference()[2] > 2);
 }
 
-namespace {
-
-/// A program of ours in the background: what it says goes to a file, it ends with the test.
-struct Background {
-  fs::path said, number;
-  Background(const fs::path& folder, const std::string& name, const std::string& arguments)
-      : said(folder / (name + ".said")), number(folder / (name + ".number")) {
-    const std::string command = std::string(EPAFI_BINARY_DIR) + "/bin/epafi " + arguments + " > " + said.string() +
-                                " 2> /dev/null & echo $! > " + number.string();
-    REQUIRE(std::system(command.c_str()) == 0);
-  }
-  ~Background() { stop(); }
-  void stop() const { std::system(("kill $(cat " + number.string() + ") 2> /dev/null").c_str()); }
-  /// The first word that it says, within ten seconds.
-  std::string word() const {
-    std::string out;
-    for (int k = 0; k < 200 && out.empty(); ++k) {
-      ::usleep(50000);
-      std::ifstream in(said);
-      in >> out;
-    }
-    return out;
-  }
-};
-
-}  // namespace
-
 TEST_CASE("the local server gives a run to the browser of this machine alone", "[scenes][view][long]") {
   if (!has_browser()) return;
   const ShownRun shown;
-  const Background server(shown.folder.path(), "view", "view " + shown.run.string() + " --port 0 --no-browser");
+  const support::Background server(shown.folder.path(), "view",
+                                   "view " + shown.run.string() + " --port 0 --no-browser");
   support::Browser b(800, 600);
   const std::string address = server.word();
   CHECK(b.open(address));
@@ -423,7 +398,8 @@ TEST_CASE("the local server gives a run to the browser of this machine alone", "
 TEST_CASE("a page whose server has ended says so, and its slider stays with the picture", "[scenes][view][long]") {
   if (!has_browser()) return;
   const ShownRun shown;
-  const Background server(shown.folder.path(), "view", "view " + shown.run.string() + " --port 0 --no-browser");
+  const support::Background server(shown.folder.path(), "view",
+                                   "view " + shown.run.string() + " --port 0 --no-browser");
   support::Browser b(800, 600);
   REQUIRE(b.open(server.word()));
   b.press("ArrowRight");
@@ -446,11 +422,12 @@ TEST_CASE("the page follows a run that goes on, and sees its end", "[scenes][vie
   const TemporaryFolder folder;
   std::ofstream(folder / "scene.toml") << scene_text;
   const std::string run = (folder / "run").string();
-  const Background program(folder.path(), "run",
-                           "run " + (folder / "scene.toml").string() + " -q -t 1 -o " + run +
-                               " --set run.duration=1e5 --set run.output_interval=0.02 --set run.time_step=2e-6");
+  const support::Background program(
+      folder.path(), "run",
+      "run " + (folder / "scene.toml").string() + " -q -t 1 -o " + run +
+          " --set run.duration=1e5 --set run.output_interval=0.02 --set run.time_step=2e-6");
   for (int k = 0; k < 200 && !fs::exists(folder / "run" / "run.h5"); ++k) ::usleep(50000);
-  const Background server(folder.path(), "view", "view " + run + " --port 0 --no-browser");
+  const support::Background server(folder.path(), "view", "view " + run + " --port 0 --no-browser");
   support::Browser b(800, 600);
   REQUIRE(b.open(server.word()));
   CHECK(b.text("String(epafi.manifest.running)") == "true");

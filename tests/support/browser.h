@@ -65,9 +65,14 @@ class Browser {
   Browser(const Browser&) = delete;
   Browser& operator=(const Browser&) = delete;
 
+  void go(const std::string& address) { call("Page.navigate", "{\"url\":" + json_text(address) + "}"); }
+  /// Runs in each page that is opened from now on, before its own scripts.
+  void before_pages(const std::string& script) {
+    call("Page.addScriptToEvaluateOnNewDocument", "{\"source\":" + json_text(script) + "}");
+  }
   /// Opens a page and waits until it says that its first picture stands.
   bool open(const std::string& address) {
-    call("Page.navigate", "{\"url\":" + json_text(address) + "}");
+    go(address);
     return wait_for("document.body && document.body.dataset.ready === 'true'");
   }
   /// Asks until the expression is true: 30 s at most.

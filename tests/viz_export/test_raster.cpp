@@ -8,6 +8,7 @@
 #include "tests/support/catch.h"
 #include "tests/viz_export/made_run.h"
 #include "viz_export/view/more_glyphs.h"
+#include "viz_export/view/refine.h"
 #include "viz_export/vtk/surface.h"
 
 using namespace epafi;
@@ -151,6 +152,43 @@ TEST_CASE("a scene looks the same in atoms, metres and kilometres, and far from 
       INFO(unit << ", " << shift);
       CHECK(unlike < 300);  // of 10^6: borders that fall otherwise by rounding
     }
+  }
+}
+
+TEST_CASE("a drawn round body is as dark at its outline as the ball that it stands for", "[viz_export][view]") {
+  // Normals between the corners of a facet at the outline point away from the eye; as if the facet were seen from
+  // behind they would give bright and dark scraps there.
+  std::mt19937 random(17);
+  std::normal_distribution<double> any;
+  ShapeStore shapes;
+  const Surface round = surface_of(shapes, shapes.add(Ellipsoid{Vec3::Ones()}), 1);
+  const ViewMesh mesh = refined(view_mesh(round));
+  for (int k = 0; k < 10; ++k) {
+    const Vec3 eye = 6 * Vec3(any(random), any(random), any(random)).normalized();
+    const Camera camera{eye, Vec3::Zero(), Vec3(any(random), any(random), any(random)).normalized(), 24};
+    DrawnScene as_ball, as_mesh;
+    as_ball.balls.push_back({{0, 0, 0}, 1.0f, {0.9, 0.9, 0.0}});
+    for (std::size_t c = 0; c < mesh.corners.size(); c += 3) {
+      DrawnTriangle t;
+      for (std::size_t e = 0; e < 3; ++e) {
+        t.corner[e] = mesh.points[mesh.corners[c + e]];
+        t.normal[e] = mesh.normals[c + e];
+      }
+      t.colour = {0.9, 0.9, 0.0};
+      as_mesh.triangles.push_back(t);
+    }
+    constexpr int side = 200;
+    const Rgb blue{0, 0, 1};
+    Image ball = draw_scene(as_ball, camera, side, side, blue), drawn = draw_scene(as_mesh, camera, side, side, blue);
+    int worst = 0, compared = 0;
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x) {
+        if (ball.at(x, y)[2] > 40 || drawn.at(x, y)[2] > 40) continue;  // beside one of them, or partly so
+        ++compared;
+        worst = std::max(worst, std::abs(ball.at(x, y)[0] - drawn.at(x, y)[0]));
+      }
+    CHECK(compared > side * side / 3);
+    CHECK(worst < 45);  // normals turned round: 98 levels
   }
 }
 

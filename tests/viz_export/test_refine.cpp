@@ -85,6 +85,43 @@ TEST_CASE("the rim of a cylinder becomes rounder on both sides alike", "[viz_exp
   CHECK(feature_edges(fine).size() == 2 * feature_edges(mesh).size());
 }
 
+TEST_CASE("superquadrics are drawn without scraps at their edges, however sharp they are", "[viz_export][view]") {
+  std::mt19937 random(21);
+  std::uniform_real_distribution<double> axis(0.3, 1.0);
+  ShapeStore shapes;
+  for (int k = 0; k < 30; ++k) {
+    const Vec3 axes(axis(random), axis(random), axis(random));
+    const int across = 2 + static_cast<int>(random() % 31), along = 2 + static_cast<int>(random() % 31);
+    INFO(axes.transpose() << ", exponents " << across << " " << along);
+    const Superquadric shape(axes, across, along);
+    const Surface surface = drawn(shapes, shapes.add(shape));
+    const ViewMesh mesh = view_mesh(surface), fine = refined(mesh);
+    CHECK(feature_edges(mesh).empty());  // round bodies have none
+    CHECK(feature_edges(fine).empty());
+    for (const Vec3& p : surface.points) {  // on the surface
+      const Vec3 u = p.cwiseQuotient(axes).cwiseAbs();
+      const double level =
+          std::pow(std::pow(u.x(), across) + std::pow(u.y(), across), static_cast<double>(along) / across) +
+          std::pow(u.z(), along);
+      CHECK(level == Approx(1.0).epsilon(1e-9));
+    }
+    // the shading is that of the surface, where a facet ends and where refinement adds a point
+    double worst = 0;
+    for (const ViewMesh* one : {&mesh, &fine})
+      for (std::size_t c = 0; c < one->corners.size(); ++c) {
+        const Vec3 u = one->points[one->corners[c]].cast<double>().cwiseQuotient(axes);
+        const double ring = std::pow(std::abs(u.x()), across) + std::pow(std::abs(u.y()), across);
+        const double outer = ring > 0 ? std::pow(ring, static_cast<double>(along) / across - 1.0) : 0.0;
+        Vec3 exact(outer * std::copysign(std::pow(std::abs(u.x()), across - 1), u.x()),
+                   outer * std::copysign(std::pow(std::abs(u.y()), across - 1), u.y()),
+                   std::copysign(std::pow(std::abs(u.z()), along - 1), u.z()));
+        exact = exact.cwiseQuotient(axes).normalized();
+        worst = std::max(worst, std::acos(std::min(1.0, exact.dot(one->normals[c].cast<double>()))));
+      }
+    CHECK(worst < 0.35);  // 20 degrees
+  }
+}
+
 TEST_CASE("flat faces and their edges are not changed", "[viz_export][view]") {
   ShapeStore shapes;
   const ViewMesh mesh = view_mesh(drawn(shapes, shapes.add(Box{Vec3(0.3, 0.2, 0.1)})));

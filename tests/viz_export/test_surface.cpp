@@ -57,6 +57,8 @@ TEST_CASE("drawn surfaces are closed, turned outward and enclose the shape's vol
   check(Cylinder{0.5, 2.0}, 0.046);
   check(Capsule{0.5, 2.0}, 0.12);
   check(Ellipsoid{Vec3(0.5, 1, 2)}, 0.12);
+  // the sharper its edges, the nearer a superquadric is to a box, of which nothing is lost
+  for (const int exponent : {2, 3, 4, 8, 16, 32}) check(Superquadric(Vec3(0.5, 1, 2), exponent, exponent), 0.12);
 }
 
 TEST_CASE("a box is drawn with its six faces of four corners and a sphere without a surface", "[viz_export][surface]") {

@@ -87,11 +87,98 @@ TEST_CASE("bodies at rest have the colour of rest, not that of rounding", "[viz_
   const double top = look_over(*still).range.at("speed")[1];
   CHECK(top > 1e-7);
   CHECK(top < 1e-5);
-  // slow motion keeps its own range, and so does everything without gravity
+  CHECK(is_resting(look_over(*still), {}, "speed"));
+  ViewSettings asked;
+  asked.range = {0, 1e-15};
+  CHECK_FALSE(is_resting(look_over(*still), asked, "speed"));
+  // slow motion keeps its own range, and so does a frame without gravity; of a run the whole way counts
   const auto slow = still_source("", about_with({0, 0, -9.81}), frame_of(moving));
   CHECK(look_over(*slow).range.at("speed")[1] == Approx(0.018));
+  CHECK_FALSE(is_resting(look_over(*slow), {}, "speed"));
   const auto floating = still_source("", {}, frame_of(resting));
   CHECK(look_over(*floating).range.at("speed")[1] < 1e-14);
+  const Overview in_space = look_over(MadeRun({frame_of(resting), frame_of(resting)}, {}));
+  CHECK(is_resting(in_space, {}, "speed"));
+  CHECK_FALSE(is_resting(look_over(MadeRun({frame_of(moving), frame_of(moving)}, {})), {}, "speed"));
+  // one colour for all, as where nothing moves at all
+  std::vector<BodyRecord> unmoved = resting;
+  for (BodyRecord& b : unmoved) b.velocity.setZero();
+  const MadeRun at_rest({frame_of(resting)}, about_with({0, 0, -9.81})),
+      unmoving({frame_of(unmoved)}, about_with({0, 0, -9.81}));
+  const Overview one = look_over(at_rest), other = look_over(unmoving);
+  CHECK(other.range.at("speed") == std::array<double, 2>{0, 0});
+  Image first = RunPainter(at_rest, one, plain_options(false)).paint(0),
+        second = RunPainter(unmoving, other, plain_options(false)).paint(0);
+  CHECK(unlike_pixels(first, second) == 0);
+}
+
+TEST_CASE("twelve kinds have colours of their own, and further ones repeat them", "[viz_export][view]") {
+  const auto apart = [](const Rgb& a, const Rgb& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); };
+  for (std::size_t a = 0; a < kinds_apart; ++a) {
+    CHECK(kind_colour(a) == kind_colour(a + kinds_apart));
+    for (std::size_t b = 0; b < a; ++b) CHECK(apart(kind_colour(a), kind_colour(b)) > 0.2);
+  }
+}
+
+TEST_CASE("a camera that sees no body says where it stands", "[viz_export][view]") {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  for (int k = 0; k < 20; ++k) {
+    RunAbout about = about_with({0, 0, -9.81});
+    const Vec3 eye(5 + any(random), any(random), any(random)), bodies(any(random), any(random), any(random));
+    about.view.from = eye;
+    about.view.to = k % 2 == 0 ? bodies : Vec3(eye + (eye - bodies));  // at them, or away from them
+    const MadeRun run({frame_of({ball_at(0, bodies), ball_at(1, bodies + Vec3(0.1, 0, 0))})}, about);
+    const Overview overview = look_over(run);
+    const auto blind = [&](const std::string& camera) {
+      RenderOptions options = plain_options(false);
+      options.camera = camera;
+      return RunPainter(run, overview, options).blind_text(run.frame(0));
+    };
+    CHECK(blind("scene").empty() == (k % 2 == 0));
+    CHECK(blind("iso").empty());
+    if (k % 2 == 1) CHECK_THAT(blind("scene"), Catch::Contains("sees none of the 2 free bodies"));
+  }
+  std::vector<BodyRecord> walls{ball_at(0, Vec3::Zero())};
+  walls[0].mass = 0;
+  RunAbout away = about_with({0, 0, -9.81});
+  away.view.from = Vec3(5, 0, 0);
+  away.view.to = Vec3(6, 0, 0);
+  const MadeRun empty({frame_of(walls)}, away);
+  const Overview overview = look_over(empty);
+  RenderOptions options = plain_options(false);
+  options.camera = "scene";
+  CHECK(RunPainter(empty, overview, options).blind_text(empty.frame(0)).empty());  // nothing to see
+}
+
+TEST_CASE("title and colour bar stand on plates through which bodies shine a little", "[viz_export][view]") {
+  // Black boards fill the picture: what is no letter is four parts paper and one part board there.
+  ShapeStore shapes;
+  const Surface board = surface_of(shapes, shapes.add(Box{Vec3(3, 0.1, 3)}), 1);
+  BodyRecord wide = ball_at(0, Vec3::Zero());
+  wide.surface = &board;
+  wide.radius = 5;
+  RunAbout about = about_with({0, 0, -9.81});
+  about.view.from = Vec3(0, -4, 0);
+  about.view.to = Vec3::Zero();
+  const MadeRun run({frame_of({wide})}, about);
+  const Overview overview = look_over(run);
+  RenderOptions options = plain_options(false);
+  options.camera = "scene";
+  Image plain = RunPainter(run, overview, options).paint(0);
+  options.labels = true;
+  Image labelled = RunPainter(run, overview, options).paint(0);
+  const double size = options.height / 38.0;
+  for (const auto& [x, y] : {std::pair{0.6 * size, 0.6 * size}, {0.6 * size, options.height - 0.5 * size}}) {
+    const std::uint8_t *under = plain.at(static_cast<int>(x), static_cast<int>(y)),
+                       *over = labelled.at(static_cast<int>(x), static_cast<int>(y));
+    for (std::size_t part = 0; part < 3; ++part) {
+      CHECK(under[part] < 200);
+      CHECK(std::abs(0.8 * 255 * paper[part] + 0.2 * under[part] - over[part]) <= 1);
+    }
+  }
+  const int far = options.width - 5;
+  CHECK(std::equal(plain.at(far, 5), plain.at(far, 5) + 3, labelled.at(far, 5)));
 }
 
 TEST_CASE("colours have no range where nothing is, and no width where all is one value", "[viz_export][view]") {
@@ -126,7 +213,7 @@ TEST_CASE("legends count in whole numbers, and times tell frames apart", "[viz_e
   CHECK(range_ticks({0, 1}, true) == std::vector<std::string>{"0", "1"});
   CHECK(range_ticks({0, 6}, true) == std::vector<std::string>{"0", "3", "6"});
   CHECK(range_ticks({0, 1}, false) == std::vector<std::string>{"0", "0.5", "1"});
-  CHECK(range_ticks({0.25, 0.25}, false) == std::vector<std::string>{"0.25"});
+  CHECK(range_ticks({0.25, 0.25}, false) == std::vector<std::string>{"all 0.25"});
   std::mt19937 random(8);
   for (int round = 0; round < 50; ++round) {
     const double apart = std::pow(10.0, -static_cast<double>(random() % 6)),

@@ -254,7 +254,7 @@ TEST_CASE("there is no legend of what is not there, and a reversed range is told
     return b.text("Array.from(document.querySelectorAll('#legend-ticks span')).map(e => e.textContent).join('|')");
   };
   choose_value(b, "field", "size");
-  CHECK(ticks() == "0.1");  // one size: one tick
+  CHECK(ticks() == "all 0.1");  // one size: one tick
   choose_value(b, "field", "id");
   CHECK(ticks() == "0|2|4");
   choose_value(b, "low", "3");
@@ -348,4 +348,54 @@ TEST_CASE("a page far from the origin has the picture of the same bodies near it
     const double x = b.number("epafi.source.origin[0] + epafi.frame.place[0]");
     CHECK(std::abs(x - far) < 1e-3);
   }
+}
+
+TEST_CASE("the legend names what repeats, rests and is seen by no camera, on a plate", "[viz_export][view][long]") {
+  if (!has_page()) return;
+  const TemporaryFolder folder;
+  support::Browser b(900, 600);
+  const auto text_of = [&](const char* id) {
+    return b.text("document.getElementById('" + std::string(id) + "').textContent");
+  };
+  for (const std::uint32_t kinds : {5u, 12u, 13u, 60u}) {
+    RunAbout about;
+    about.gravity = Vec3(0, 0, -9.81);
+    ViewFrame frame;
+    for (std::uint32_t k = 0; k < kinds; ++k) {
+      about.materials.push_back("m" + std::to_string(k));
+      frame.bodies.push_back(ball_of(k, Vec3(0.3 * k, 0, 0)));
+      frame.bodies.back().material = static_cast<std::uint16_t>(k);
+      frame.bodies.back().velocity = Vec3(1e-16 * (1 + k), 0, 0);
+    }
+    open_page(b, folder, *still_source("kinds", about, std::move(frame)));
+    CHECK_THAT(text_of("legend-ticks"), Contains("at rest: 98 % below"));
+    CHECK(b.number("new Set(Array.from(epafi.shares(epafi.frame))).size") == 1);
+    choose_value(b, "high", "1e-15");  // who asks for a range gets it
+    CHECK(b.number("new Set(Array.from(epafi.shares(epafi.frame))).size") > 1);
+    choose_value(b, "field", "material");
+    const bool repeats = text_of("legend-kinds").find("12 colours, which repeat") != std::string::npos;
+    CHECK(repeats == (kinds > 12));
+    const double marks =
+        b.number("new Set(Array.from(document.querySelectorAll('#legend-kinds i')).map(e => e.style.background)).size");
+    CHECK(marks == (kinds > 12 ? 11 : kinds));
+  }
+  for (const char* scheme : {"light", "dark"}) {
+    b.prefer(scheme);
+    for (const char* part : {"getComputedStyle(document.getElementById('head')).backgroundColor",
+                             "getComputedStyle(document.querySelector('#axes circle')).fill"}) {
+      const double opacity = b.number("Number(" + std::string(part) + ".split(',')[3].slice(0, -1))");
+      CHECK(opacity > 0.6);
+      CHECK(opacity < 0.95);
+    }
+  }
+  RunAbout away;
+  away.view.from = Vec3(0, -5, 0);
+  away.view.to = Vec3(0, -6, 0);
+  ViewFrame one;
+  one.bodies = {ball_of(0, Vec3::Zero())};
+  open_page(b, folder, *still_source("away", away, std::move(one)));
+  CHECK_THAT(text_of("notes"), Contains("the camera sees no body"));
+  b.press("2");
+  CHECK(text_of("notes").empty());
+  CHECK(b.complaints() == std::vector<std::string>{});
 }

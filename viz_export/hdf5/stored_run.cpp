@@ -157,6 +157,12 @@ double StoredRun::time(std::size_t k) const {
                         [&] { return impl_->file.number_attribute("snapshots/" + impl_->snapshots.at(k), "time"); });
 }
 
+std::string StoredRun::state_hash(std::size_t k) const {
+  return read_undamaged(impl_->file.path(), [&] {
+    return impl_->file.text_attribute("snapshots/" + impl_->snapshots.at(k), "state_hash");
+  });
+}
+
 std::vector<BodyRecord> StoredRun::bodies() const {
   std::vector<BodyRecord> out;
   for (std::uint32_t id = 0; id < impl_->shape.size(); ++id) out.push_back(impl_->body(id));

@@ -35,8 +35,9 @@ class StoredRun {
   ~StoredRun();
   std::size_t snapshots() const;
   StoredSnapshot snapshot(std::size_t k) const;
-  double time(std::size_t k) const;        ///< of a snapshot [s]
-  std::vector<BodyRecord> bodies() const;  ///< all that were ever stored, by id, without motion
+  double time(std::size_t k) const;             ///< of a snapshot [s]
+  std::string state_hash(std::size_t k) const;  ///< of a snapshot
+  std::vector<BodyRecord> bodies() const;       ///< all that were ever stored, by id, without motion
   std::vector<StoredMeasure> measures() const;
   StoredWords words(const BodyRecord& body) const;
   /// Points of shapes and orientations are of the axes that the scene wrote; in older files of principal axes.

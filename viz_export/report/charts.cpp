@@ -86,7 +86,7 @@ std::string written_tics(char axis, double from, double to) {
 /// Of one axis: its range with some room, its scale and its tics.
 std::string axis_settings(char axis, double low, double high, bool log, double below, double above) {
   if (!log) {
-    const double room = 0.06 * (high > low ? high - low : 1.0);
+    const double room = 0.06 * (high > low ? high - low : std::max(std::abs(high), 1.0));
     return fmt::format("set {}range [{}:{}]\n", axis, low - room, high + room);
   }
   return fmt::format("set logscale {0}\nset format {0} '%.0e'\nset {0}range [{1}:{2}]\n", axis, below * low,
@@ -106,14 +106,17 @@ std::string frame(const std::string& title, const std::string& x, const std::str
          "center outside horizontal height 1 samplen 2 spacing 1.3\nset format '%g'\n";
 }
 
-/// What an axis shows, from 0 or what is positive.
+/// What an axis shows.
 struct PlotRange {
-  double low = INFINITY, high = 0;
+  double low = INFINITY, high = -INFINITY;
   void include(double value) {
     low = std::min(low, value);
     high = std::max(high, value);
   }
-  PlotRange or_tenth_to_one() const { return high > 0 ? *this : PlotRange{0.1, 1}; }
+  PlotRange or_tenth_to_one(bool log) const {
+    const bool known = log ? high > 0 : low <= high;
+    return known ? *this : PlotRange{0.1, 1};
+  }
 };
 
 std::array<PlotRange, 2> ranges_of(const ScatterPlot& plot) {
@@ -127,7 +130,7 @@ std::array<PlotRange, 2> ranges_of(const ScatterPlot& plot) {
       if (failed > 0) x.include(failed);
   }
   for (const auto& [label, level] : plot.levels) y.include(level);
-  return {x.or_tenth_to_one(), y.or_tenth_to_one()};
+  return {x.or_tenth_to_one(plot.log_x), y.or_tenth_to_one(plot.log_y)};
 }
 
 }  // namespace
@@ -172,7 +175,7 @@ bool draw(const ScatterPlot& plot, const fs::path& path) {
     settings +=
         fmt::format("set label {} at graph 0.01, first {} offset 0,0.5 tc rgb '#666666'\n", quoted(label), level);
   }
-  return render(path, data, settings, parts.empty() ? "plot NaN notitle" : parts);
+  return render(path, data, settings, parts.empty() ? "plot NaN notitle" : parts, plot.size);
 }
 
 namespace {

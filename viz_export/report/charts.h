@@ -32,6 +32,7 @@ struct ScatterPlot {
   std::string marked_label = "recommended";
   std::vector<PlotPoint> ringed;  ///< a thin ring about each
   std::string ringed_label = "default settings";
+  const char* size = "1000,680";  ///< of the vector picture
 };
 
 /// Curves on plain axes.

@@ -1,7 +1,6 @@
 #include "viz_export/report/report.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +16,7 @@
 #include "viz_export/measures/telling_rows.h"
 #include "viz_export/report/charts.h"
 #include "viz_export/report/html_text.h"
+#include "viz_export/report/parts_folder.h"
 #include "viz_export/report/report_folder.h"
 #include "viz_export/report/report_style.h"
 #include "viz_export/report/run_facts.h"
@@ -39,6 +39,7 @@ struct Page {
   const fs::path& parts;  ///< folder for files on the way
   bool drawn = true;      ///< gnuplot is there
   std::string html{};
+  std::string blind{};  ///< where the camera stands that sees no body
 
   std::string number(const std::string& name, const char* format = "{:.4g}") const {
     const auto value = summary.number(name);
@@ -173,6 +174,10 @@ void pictures(Page& p, const ViewSource& source) {
   };
   const std::vector<std::size_t> shown = with_each_stage(p, source.times(), telling_frames(source, 6));
   for (const std::size_t k : shown) add(painter, k, "");
+  for (const std::size_t k : shown) {
+    p.blind = painter.blind_text(source.frame(k));
+    if (p.blind.empty()) break;  // the camera sees bodies at some time
+  }
   constexpr std::size_t few = 4000;
   const std::size_t contacts = source.frame(shown.back()).contacts.size();
   if (contacts > 0 && contacts <= few) {
@@ -370,35 +375,6 @@ void settings(Page& p) {
 
 }  // namespace
 
-namespace {
-/// A folder beside the page, gone with this: the run's own may be one that is only read.
-class PartsFolder {
- public:
-  explicit PartsFolder(const fs::path& page) {
-    if (!fs::is_regular_file(page) && fs::exists(page))  // a device: nothing lies beside it
-      path_ = fs::temp_directory_path() / fmt::format("epafi-report-{}", ::getpid());
-    else
-      path_ = fs::path(page) += fmt::format(".{}.part", ::getpid());
-    std::error_code error;
-    fs::create_directory(path_, error);
-    if (error)
-      throw FileError(page.string() + ": cannot write into '" +
-                      (page.has_parent_path() ? page.parent_path() : ".").string() + "': " + error.message() +
-                      "; `epafi report DIR --out PAGE.html` writes the page elsewhere");
-  }
-  ~PartsFolder() {
-    std::error_code none;
-    fs::remove_all(path_, none);
-  }
-  PartsFolder(const PartsFolder&) = delete;
-  PartsFolder& operator=(const PartsFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-}  // namespace
-
 fs::path write_report(const fs::path& folder, const fs::path& wanted) {
   const bool is_run = fs::exists(folder / "run.h5") || was_run(folder);
   if (!is_run && has_tables(folder)) return write_folder_report(folder, wanted);
@@ -422,7 +398,8 @@ fs::path write_report(const fs::path& folder, const fs::path& wanted) {
   stages(page);
   settings(page);
   if (!page.drawn) page.html += "<p class='no'>gnuplot is not installed: the curves are missing.</p>";
-  std::string unread;  // what could not be read is known by now
+  std::string unread;  // what could not be read or seen is known by now
+  if (!page.blind.empty()) unread += "<p class='warning'>" + escaped(page.blind) + "</p>";
   for (const std::string& text : source->warnings()) unread += "<p class='warning'>" + escaped(text) + "</p>";
   page.html.insert(below_warnings, unread);
   write_whole_file(target,

@@ -110,16 +110,23 @@ std::string cases_html(const std::vector<ReportCase>& cases) {
 }
 
 std::string warnings_html(const std::vector<ReportCase>& cases) {
-  constexpr std::size_t most = 10;
+  constexpr std::size_t most = 3, most_folded = 100;
   std::vector<std::string> all;
   for (const ReportCase& one : cases)
     for (const auto& [name, text] : one.summary.texts)
       if (name.starts_with("warnings.") || (name == "failure" && !text.empty())) all.push_back(one.name + ": " + text);
   std::string html;
-  for (std::size_t k = 0; k < std::min(most, all.size()); ++k)
-    html += "<p class='warning'>" + html_escaped(all[k]) + "</p>";
-  if (all.size() > most) html += fmt::format("<p class='warning'>and {} more warnings</p>", all.size() - most);
-  return html;
+  const auto add = [&](std::size_t from, std::size_t to) {
+    for (std::size_t k = from; k < std::min(to, all.size()); ++k)
+      html += "<p class='warning'>" + html_escaped(all[k]) + "</p>";
+  };
+  add(0, most);
+  if (all.size() <= most) return html;
+  html += fmt::format("<details class='warnings'><summary>{} more warning{}</summary>", all.size() - most,
+                      all.size() > most + 1 ? "s" : "");
+  add(most, most_folded);
+  if (all.size() > most_folded) html += fmt::format("<p class='warning'>and {} more</p>", all.size() - most_folded);
+  return html + "</details>";
 }
 
 }  // namespace epafi

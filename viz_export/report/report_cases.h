@@ -25,7 +25,7 @@ ReportCase read_case(const std::filesystem::path& folder);
 /// What differs between cases comes first, then what is known of each, then what was measured at the end.
 std::string cases_html(const std::vector<ReportCase>& cases);
 
-/// What went wrong, of ten cases at most.
+/// What went wrong: the first three, the others folded up.
 std::string warnings_html(const std::vector<ReportCase>& cases);
 
 }  // namespace epafi

@@ -15,6 +15,7 @@
 #include "viz_export/files/study_mark.h"
 #include "viz_export/report/html_text.h"
 #include "viz_export/report/report_cases.h"
+#include "viz_export/report/report_outcomes.h"
 #include "viz_export/report/report_style.h"
 #include "viz_export/report/report_table.h"
 #include "viz_export/view/render_run.h"
@@ -49,6 +50,7 @@ void share_overview(std::vector<DrawnCase>& cases) {
   }
   if (both.box.diagonal() > alike * least) return;
   for (DrawnCase& one : cases) {
+    if (one.overview.range != both.range) one.overview.resting.clear();  // others move
     one.overview.box = both.box;
     one.overview.range = both.range;
   }
@@ -127,6 +129,13 @@ std::string count_text(const std::string& title, const std::vector<ReportCase>& 
 /// What belongs to the chart above it: its points, or those of the limits.
 bool is_study(const fs::path& table) { return table.stem() == "chart" || table.stem() == "limits"; }
 
+/// Cases of a chart or of limits have its own picture.
+bool is_swept(const fs::path& folder) {
+  const auto mark = read_study_mark(folder);
+  const bool has_picture = fs::exists(folder / "chart.json") || fs::exists(folder / "limits.json");
+  return !has_picture && (!mark || mark->kind == "sweep");
+}
+
 /// Charts and maps that lie in the folder; two in a row where there are several.
 std::string drawings_in(const fs::path& folder) {
   const std::vector<fs::path> all = files_with(folder, ".svg");
@@ -156,11 +165,12 @@ fs::path write_folder_report(const fs::path& folder, const fs::path& wanted) {
   std::string html = "<h1>" + (scene.empty() ? html_escaped(title) : scene) + "</h1>";
   if (!cases.empty()) html += "<p class='sub'>" + html_escaped(count_text(title, cases)) + "</p>";
   const fs::path results = folder / "patch.csv";  // of `epafi patch --maps`: what the maps belong to
-  html += unfinished(folder, cases);
-  html += (fs::exists(results) ? csv_html(results) : "") + drawings_in(folder) + warnings_html(cases);
+  html += unfinished(folder, cases) + warnings_html(cases);
+  html += (fs::exists(results) ? csv_html(results) : "") + drawings_in(folder);
   for (const fs::path& table : files_with(folder, ".csv"))
     if (is_study(table)) html += csv_html(table);
-  if (!cases.empty()) html += cases_html(cases) + pictures_of(folders);
+  if (!cases.empty())
+    html += cases_html(cases) + (is_swept(folder) ? outcomes_html(cases, target) : "") + pictures_of(folders);
   for (const fs::path& table : files_with(folder, ".csv")) {
     if (table != results && !is_study(table)) html += csv_html(table);
   }

@@ -15,12 +15,23 @@ namespace {
 
 constexpr std::size_t most_rows = 500;    // of a table; the CSV has them all
 constexpr std::size_t open_rows = 60;     // longer tables are folded up
+constexpr std::size_t seen_columns = 9;   // of a page at least; more may lie beyond its edge
 constexpr std::size_t longest_line = 40;  // characters of a cell; longer ones are broken between words
 
 bool is_number(const std::string& text) {
   double value = 0;
   const char* end = text.data() + text.size();
   return !text.empty() && std::from_chars(text.data(), end, value).ptr == end;
+}
+
+/// Lines of heads may end behind the dots of keys.
+std::string breakable(const std::string& head) {
+  std::string out;
+  for (std::size_t k = 0; k < head.size(); ++k) {
+    out += head[k];
+    if (head[k] == '.' && k + 1 < head.size()) out += "<wbr>";
+  }
+  return out;
 }
 
 /// Six digits of what has more; whole numbers as they are.
@@ -114,7 +125,7 @@ std::string table_html(const std::vector<TableColumn>& columns, std::size_t most
   for (const TableColumn& column : columns) {
     kind.push_back(column.is_numeric() ? " class='n'" : "");
     rows = std::max(rows, column.cells.size());
-    html += fmt::format("<th{}>{}</th>", kind.back(), html_escaped(column.head));
+    html += fmt::format("<th{}>{}</th>", kind.back(), breakable(html_escaped(column.head)));
   }
   html += "</tr>";
   for (std::size_t row = 0; row < std::min(rows, most); ++row) {
@@ -127,7 +138,9 @@ std::string table_html(const std::vector<TableColumn>& columns, std::size_t most
     }
     html += "</tr>";
   }
-  return html + "</table></div>";
+  html += "</table></div>";
+  if (columns.size() > seen_columns) html += "<p class='sub'>This table moves sideways: more columns to the right.</p>";
+  return html;
 }
 
 std::string csv_html(const std::filesystem::path& path) {

@@ -9,6 +9,9 @@ namespace epafi {
 
 using Rgb = std::array<double, 3>;  ///< red, green, blue in [0, 1]
 
+/// Behind everything, and of letters on it.
+inline constexpr Rgb paper{0.969, 0.973, 0.980}, ink{0.11, 0.14, 0.19};
+
 /// A polynomial of sixth degree in the share.
 inline Rgb polynomial_colour(const Rgb (&c)[7], double share) {
   const double t = std::clamp(share, 0.0, 1.0);
@@ -45,11 +48,18 @@ inline Rgb inferno(double share) {
   return polynomial_colour(c, share);
 }
 
-/// Eight colours that stay apart for all kinds of colour vision (Okabe and Ito 2008), without black.
+/// Of a map: where all have one value.
+inline constexpr double only_share = 0.5;
+
+inline constexpr std::size_t kinds_apart = 12;  ///< further kinds repeat their colours
+
+/// Eight colours that stay apart for all kinds of colour vision (Okabe and Ito 2008), without black; then four dark
+/// ones.
 inline Rgb kind_colour(std::size_t kind) {
-  constexpr Rgb all[] = {{0.00, 0.45, 0.70}, {0.90, 0.62, 0.00}, {0.00, 0.62, 0.45}, {0.80, 0.47, 0.65},
-                         {0.34, 0.71, 0.91}, {0.84, 0.37, 0.00}, {0.94, 0.89, 0.26}, {0.60, 0.60, 0.60}};
-  return all[kind % 8];
+  constexpr Rgb all[kinds_apart] = {{0.00, 0.45, 0.70}, {0.90, 0.62, 0.00}, {0.00, 0.62, 0.45}, {0.80, 0.47, 0.65},
+                                    {0.34, 0.71, 0.91}, {0.84, 0.37, 0.00}, {0.94, 0.89, 0.26}, {0.60, 0.60, 0.60},
+                                    {0.00, 0.18, 0.38}, {0.45, 0.31, 0.00}, {0.00, 0.35, 0.15}, {0.42, 0.18, 0.36}};
+  return all[kind % kinds_apart];
 }
 
 }  // namespace epafi

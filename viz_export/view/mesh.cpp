@@ -10,9 +10,9 @@
 namespace epafi {
 namespace {
 
-constexpr double crease = 0.86;         // cosine: 31 degrees
-constexpr double curved_crease = 0.47;  // 62 degrees: facets of drawn ellipsoids are bent by 30 and more at thin ends
-constexpr std::ptrdiff_t most_refined = 2000;  // bodies: 500 triangles each
+constexpr double crease = 0.86;                // cosine: 31 degrees
+constexpr double curved_crease = 0.47;         // 62 degrees: of bodies with caps
+constexpr std::size_t most_refined = 250'000;  // triangles of all curved bodies
 constexpr float same_place = 1e-5f;            // of the mesh's size: the seam of a turned profile is closed
 
 /// Normals of the polygons (Newell), unit or zero.
@@ -32,6 +32,15 @@ std::vector<Vec3> polygon_normals(const Surface& s) {
     begin = end;
   }
   return out;
+}
+
+/// The middle of a fan of polygons that lie in one plane: of cylinders and closed tubes, not of round bodies.
+bool has_flat_cap(const std::vector<Vec3>& normals, const std::vector<std::vector<std::uint32_t>>& around) {
+  constexpr double one_plane = 1.0 - 1e-12;
+  return std::ranges::any_of(around, [&](const std::vector<std::uint32_t>& fan) {
+    return fan.size() > 2 &&
+           std::ranges::all_of(fan, [&](std::uint32_t f) { return normals[f].dot(normals[fan.front()]) > one_plane; });
+  });
 }
 
 double largest_coordinate(const Surface& s) {
@@ -78,7 +87,8 @@ ViewMesh view_mesh(const Surface& s) {
       around[static_cast<std::size_t>(s.connectivity[k])].push_back(f);
     begin = static_cast<std::size_t>(s.offsets[f]);
   }
-  const double bend = s.curved ? curved_crease : crease;
+  const bool round = s.curved && !has_flat_cap(normals, around);  // thin ends are bent by any angle
+  const double bend = round ? -2.0 : s.curved ? curved_crease : crease;
   const auto add_corner = [&](std::uint32_t polygon, std::size_t place) {
     const auto point = static_cast<std::uint32_t>(s.connectivity[place]);
     Vec3 sum = Vec3::Zero();
@@ -101,25 +111,47 @@ ViewMesh view_mesh(const Surface& s) {
   return mesh;
 }
 
-MeshStore::MeshStore(const std::vector<BodyRecord>& bodies)
-    : refines_(std::count_if(bodies.begin(), bodies.end(), [](const BodyRecord& b) {
-                 return b.surface != nullptr && b.surface->curved;
-               }) <= most_refined) {}
+MeshStore::MeshStore(const std::vector<BodyRecord>& bodies) {
+  std::size_t triangles = 0;
+  for (const BodyRecord& b : bodies)
+    if (b.surface != nullptr && b.surface->curved)
+      triangles += b.surface->connectivity.size() - 2 * b.surface->offsets.size();
+  refines_ = triangles <= most_refined;
+}
+
+namespace {
+
+/// An edge as a face beside it has it: the face's normal, and those of the shading at the edge's ends.
+struct EdgeSide {
+  Vec3 face;
+  std::array<Eigen::Vector3f, 2> shading;
+};
+
+/// Bent so that the shading shows it: facets of a round body share the normals of their corners.
+bool is_crease(const EdgeSide& one, const EdgeSide& two) {
+  constexpr float same_shading = 0.97f;  // cosine
+  if (one.face.dot(two.face) >= crease) return false;
+  return one.shading[0].dot(two.shading[0]) < same_shading || one.shading[1].dot(two.shading[1]) < same_shading;
+}
+
+}  // namespace
 
 std::vector<std::uint32_t> feature_edges(const ViewMesh& mesh) {
   const std::vector<std::uint32_t> same = joined_points(mesh);
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Vec3>> edges;  // normals of faces around
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<EdgeSide>> edges;
   for (std::size_t c = 0; c + 2 < mesh.corners.size(); c += 3) {
     const auto point = [&](std::size_t k) -> Vec3 { return mesh.points[mesh.corners[c + k]].cast<double>(); };
     const Vec3 normal = (point(1) - point(0)).cross(point(2) - point(0)).normalized();
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = same[mesh.corners[c + k]], b = same[mesh.corners[c + (k + 1) % 3]];
-      edges[std::minmax(a, b)].push_back(normal);
+      std::size_t from = c + k, to = c + (k + 1) % 3;
+      if (same[mesh.corners[from]] > same[mesh.corners[to]]) std::swap(from, to);
+      edges[{same[mesh.corners[from]], same[mesh.corners[to]]}].push_back(
+          {normal, {mesh.normals[from], mesh.normals[to]}});
     }
   }
   std::vector<std::uint32_t> out;
-  for (const auto& [ends, normals] : edges)
-    if (normals.size() != 2 || normals[0].dot(normals[1]) < crease) out.insert(out.end(), {ends.first, ends.second});
+  for (const auto& [ends, sides] : edges)
+    if (sides.size() != 2 || is_crease(sides[0], sides[1])) out.insert(out.end(), {ends.first, ends.second});
   return out;
 }
 

@@ -15,7 +15,7 @@ struct ViewMesh {
   std::vector<Eigen::Vector3f> normals;  ///< unit, one per corner
 };
 
-/// Facets of a curved surface look round up to twice that bend.
+/// Facets of a curved surface look round up to twice that bend, and of one without flat caps always.
 [[nodiscard]] ViewMesh view_mesh(const Surface& surface);
 
 /// Pairs of points: the edges between faces that are bent by more than a crease, and borders (page/bodies.js has the

@@ -141,10 +141,13 @@ class FreeBox {
 };
 
 /// What a body at rest has by rounding alone stays below this [m/s]: a part of the speed of a fall through the picture.
-/// Without gravity nothing is known.
-double speed_at_rest(const RunAbout& about, const ViewBox& box) {
-  constexpr double share = 1e-6;
-  return box.is_empty() ? 0.0 : share * std::sqrt(about.gravity.norm() * box.diagonal());
+/// Without gravity it is what does not show in the whole run; of one frame nothing is known then.
+double speed_at_rest(const ViewSource& source, const ViewBox& box) {
+  constexpr double share = 1e-6, of_the_picture = 1e-12;
+  if (box.is_empty()) return 0.0;
+  const double fall = share * std::sqrt(source.about().gravity.norm() * box.diagonal());
+  const double duration = source.times().empty() ? 0.0 : source.times().back() - source.times().front();
+  return std::max(fall, duration > 0 ? of_the_picture * box.diagonal() / duration : 0.0);
 }
 
 double largest_of(const std::vector<double>& values) {
@@ -200,14 +203,17 @@ SeenValues seen_in(const ViewBox& box, const FieldValues& known) {
 }
 
 /// From the first positive value on, 98 % of the values, `floor` at least; whole numbers as they are. One value where
-/// the ends differ by no more than `same`: rounding. seen: not empty.
-std::array<double, 2> range_of(const ViewField& field, SeenValues& seen, double floor, double same) {
+/// the ends differ by no more than `same`: rounding. resting: no value counts, all but 2 % are below `floor`. seen: not
+/// empty.
+std::array<double, 2> range_of(const ViewField& field, SeenValues& seen, double floor, double same, bool& resting) {
   std::vector<double>& values = seen.values;
   const bool from_zero = field.kind == ViewField::Kind::moving;
-  const auto [least, most] = std::minmax_element(values.begin(), values.end());
-  double low = from_zero ? 0.0 : *least, high = *most;
+  const auto [least_at, most_at] = std::minmax_element(values.begin(), values.end());
+  const double least = *least_at, most = *most_at;  // of the unsorted values
+  double low = from_zero ? 0.0 : least, high = most;
   if (from_zero && field.name != "contacts") high = std::max(quantile(values, 0.98), 0.05 * seen.largest);
-  if (from_zero) high = std::max(high, floor);
+  resting = from_zero && most > 0 && high <= floor;
+  if (resting) high = floor;
   if (!(high - low > same)) high = low;
   return {low, high};
 }
@@ -252,15 +258,17 @@ Overview look_over(const ViewSource& source) {
   out.box = free.box(last);
   include_walls(last, out.box);
   if (out.box.is_empty()) out.box.include(Vec3::Zero(), 1.0);
-  const double still = speed_at_rest(source.about(), out.box), radius = free.mean_radius();
+  const double still = speed_at_rest(source, out.box), radius = free.mean_radius();
   for (const ViewField& field : fields) {
     SeenValues seen = seen_in(out.box, values[field.name]);
     if (field.name == "id") seen.values = values[field.name].all;  // of walls too, wherever they are
     if (seen.values.empty()) continue;
     const double same = field.name == "height" ? finest_step * out.box.diagonal() : 1e-6 * largest_of(seen.values);
     const bool moves = field.kind == ViewField::Kind::moving;
-    out.range[field.name] =
-        range_of(field, seen, floor_of(field.name, still, radius), moves || field.whole ? 0.0 : same);
+    const double floor = floor_of(field.name, still, radius);
+    bool resting = false;
+    out.range[field.name] = range_of(field, seen, floor, moves || field.whole ? 0.0 : same, resting);
+    if (resting) out.resting.insert(field.name);
   }
   out.grounds = grounds.ids();
   out.ground_top = grounds.top();
@@ -327,6 +335,11 @@ std::vector<std::size_t> telling_frames(const ViewSource& source, std::size_t wa
   out.erase(std::unique(out.begin(), out.end()), out.end());
   if (change.back() > 0) fill_gaps(at, wanted, out);
   return out;
+}
+
+bool is_resting(const Overview& overview, const ViewSettings& settings, const std::string& field) {
+  const std::string chosen = settings.field.empty() ? "speed" : settings.field;
+  return overview.resting.contains(field) && !(settings.range && field == chosen);
 }
 
 std::optional<std::array<double, 2>> colour_range(const Overview& overview, const ViewSettings& settings,

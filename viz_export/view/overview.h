@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "viz_export/view/camera.h"
 #include "viz_export/view/fields.h"
@@ -15,6 +16,7 @@ struct Overview {
   /// Of each field that is a number: colours end there. Both ends are the same where there is one value; a field of
   /// which there is no value (no free bodies) is absent.
   std::map<std::string, std::array<double, 2>> range;
+  std::set<std::string> resting;          ///< fields of which 98 % are no more than rounding gives
   std::map<std::string, double> largest;  ///< of each moving field over the frames looked at
   float strongest = 0;                    ///< normal force of a contact [N], of 99 % of them
   double worst_residual = 0;              ///< of a contact
@@ -33,5 +35,8 @@ struct Overview {
 /// Lower and upper end of the colours: by [view] range where it speaks of this field; none where it has no value.
 [[nodiscard]] std::optional<std::array<double, 2>> colour_range(const Overview& overview, const ViewSettings& settings,
                                                                 const std::string& field);
+
+/// The field has one colour, whatever its range: 98 % are no more than rounding gives, and the scene asks for no range.
+[[nodiscard]] bool is_resting(const Overview& overview, const ViewSettings& settings, const std::string& field);
 
 }  // namespace epafi

@@ -32,7 +32,8 @@ class Packer {
   std::size_t frames() const { return shown_.size(); }
   std::size_t chunks() const { return (shown_.size() + chunk_frames - 1) / chunk_frames; }
   /// JSON: everything but bodies, meshes and frames. columns: what the chunks hold.
-  std::string manifest(const std::vector<std::string>& columns, const std::vector<std::string>& notes) const;
+  std::string manifest(const std::vector<std::string>& columns, const std::vector<std::string>& notes,
+                       const std::string& identity = {}) const;
   /// Bodies and meshes, deflated.
   std::string bodies() const;
   /// columns: of columns(), and "strong": contacts with a tenth of the strongest force.

@@ -121,9 +121,11 @@ void put_mesh(std::string& out, const ViewMesh& mesh) {
 
 }  // namespace
 
-std::string Packer::manifest(const std::vector<std::string>& columns, const std::vector<std::string>& notes) const {
+std::string Packer::manifest(const std::vector<std::string>& columns, const std::vector<std::string>& notes,
+                             const std::string& identity) const {
   JsonWriter json;
   json.begin_object().member("title", source_.title()).member("running", source_.is_running());
+  if (!identity.empty()) json.member("identity", identity);
   if (const std::string cut = source_.cut_text(); !cut.empty()) json.member("cut", cut);
   json.member("chunk_frames", std::uint64_t{chunk_frames}).member("bodies", std::uint64_t{source_.bodies().size()});
   json.key("times").begin_array();
@@ -135,6 +137,7 @@ std::string Packer::manifest(const std::vector<std::string>& columns, const std:
     json.begin_object().member("name", f.name).member("label", f.label).member("unit", f.unit);
     json.member("kind", kind_name(f.kind));
     if (f.whole) json.member("whole", true);
+    if (is_resting(overview_, source_.about().view, f.name)) json.member("resting", true);
     if (const auto range = colour_range(overview_, source_.about().view, f.name)) put_pair(json, "range", *range);
     json.end_object();
   }

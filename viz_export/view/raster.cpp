@@ -284,7 +284,16 @@ class Painter {
   V3 normal_of(const DrawnTriangle& t, const V3& w) const {
     V3 n = lens_.turned(w.x() * t.normal[0] + w.y() * t.normal[1] + w.z() * t.normal[2]);
     n.normalize();
-    return n.z() < 0 ? V3(-n) : n;
+    if (n.z() >= 0) return n;
+    if (!shows_front(t)) return -n;
+    n.z() = 0;  // beyond the outline of the curved surface that the triangle stands for
+    return n.normalized();
+  }
+
+  bool shows_front(const DrawnTriangle& t) const {
+    const V3 facet = (t.corner[1] - t.corner[0]).cross(t.corner[2] - t.corner[0]);
+    const bool outward = facet.dot(t.normal[0] + t.normal[1] + t.normal[2]) > 0;
+    return outward == (facet.dot(lens_.eye - t.corner[0]) > 0);
   }
 
   V3 normal_of(const DrawnBall& ball, const V3& centre, int x, int y, float depth) const {

@@ -16,9 +16,8 @@
 namespace epafi {
 namespace {
 
-constexpr Rgb paper{0.969, 0.973, 0.980}, ink{0.11, 0.14, 0.19}, wall_colour{0.70, 0.73, 0.78},
-    ground_colour{0.86, 0.88, 0.90}, spring_colour{0.2, 0.2, 0.2}, wall_edge{0.62, 0.65, 0.70},
-    ground_edge{0.45, 0.48, 0.54};
+constexpr Rgb wall_colour{0.70, 0.73, 0.78}, ground_colour{0.86, 0.88, 0.90}, spring_colour{0.2, 0.2, 0.2},
+    wall_edge{0.62, 0.65, 0.70}, ground_edge{0.45, 0.48, 0.54};
 constexpr std::ptrdiff_t most_outlined = 400;  // free bodies; among more of them lines would hide the colours
 constexpr int grid_parts = 4;                  // of a half-space from within, each way
 constexpr double widest_part = 0.42;           // of a radius: half the width of a ribbon of contacts
@@ -170,7 +169,7 @@ std::string time_text(const std::vector<double>& times, double time) {
 }
 
 std::vector<std::string> range_ticks(const std::array<double, 2>& range, bool whole) {
-  if (range[0] == range[1]) return {short_number(range[0])};
+  if (range[0] == range[1]) return {"all " + short_number(range[0])};
   const double middle = 0.5 * (range[0] + range[1]);
   if (whole && middle != std::round(middle)) return {short_number(range[0]), short_number(range[1])};
   return {short_number(range[0]), short_number(middle), short_number(range[1])};
@@ -189,6 +188,7 @@ RunPainter::RunPainter(const ViewSource& source, const Overview& overview, const
       options_(options),
       field_(find_field(source, options.field)),
       range_(colour_range(overview, source.about().view, field_.name)),
+      resting_(is_resting(overview, source.about().view, field_.name)),
       camera_(choose_camera(options.camera, source.about(), overview.box,
                             static_cast<double>(options.width) / options.height)),
       axes_(camera_),
@@ -201,7 +201,7 @@ RunPainter::RunPainter(const ViewSource& source, const Overview& overview, const
 Rgb RunPainter::colour_of(const BodyRecord& body, float value) const {
   if (field_.kind == ViewField::Kind::category) return kind_colour(static_cast<std::size_t>(value));
   if (body.is_wall()) return is_solid(body) ? ground_colour : wall_colour;
-  if (!range_ || range_->front() == range_->back()) return viridis(0.0);
+  if (!range_ || resting_ || range_->front() == range_->back()) return viridis(only_share);
   const double share = (static_cast<double>(value) - range_->front()) / (range_->back() - range_->front());
   return viridis(std::isfinite(share) ? share : 0.0);
 }
@@ -297,18 +297,6 @@ Image RunPainter::paint(std::size_t k) {
   return image;
 }
 
-namespace {
-/// The text, or its beginning and dots.
-std::string fitting(std::string text, double size, double width) {
-  if (text_width(text, size) <= width) return text;
-  while (!text.empty() && text_width(text + "...", size) > width) {
-    while (text.size() > 1 && (static_cast<unsigned char>(text.back()) & 0xC0) == 0x80) text.pop_back();  // of UTF-8
-    text.pop_back();
-  }
-  return text + "...";
-}
-}  // namespace
-
 std::size_t RunPainter::outside(const ViewFrame& frame) const {
   const Camera& seen = axes_.camera;
   const Vec3 towards = (seen.eye - seen.target).normalized(), right = seen.up.cross(towards).normalized(),
@@ -326,115 +314,50 @@ std::size_t RunPainter::outside(const ViewFrame& frame) const {
                                                 [&](const BodyRecord& b) { return !b.is_wall() && !shows(b); }));
 }
 
+std::string RunPainter::blind_text(const ViewFrame& frame) const {
+  const auto free = std::count_if(frame.bodies.begin(), frame.bodies.end(), [](const auto& b) { return !b.is_wall(); });
+  if (free == 0 || outside(frame) < static_cast<std::size_t>(free)) return {};
+  const auto place = [](const Vec3& p) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", p.x(), p.y(), p.z()); };
+  const Vec3 middle = overview_.box.centre();
+  return fmt::format(
+      "the camera sees none of the {} free bodies: it stands at {} and looks towards {}; the bodies are about {}; "
+      "--camera iso shows them",
+      free, place(camera_.eye), place(camera_.target), place(middle));
+}
+
 std::string outside_text(std::size_t bodies) {
   return bodies == 0 ? "" : fmt::format("{} {} outside the picture", bodies, bodies == 1 ? "body" : "bodies");
 }
 
-void RunPainter::label(Image& image, const ViewFrame& frame) const {
-  const double size = std::max(10.0, options_.letters * options_.height);
-  const double left = 0.9 * size;
-  const std::string title = options_.title ? fitting(source_.title(), 1.25 * size, image.width - 2 * left) : "";
-  draw_text(image, left, 1.7 * size, title, 1.25 * size, ink);
-  std::string below = "t = " + time_text(source_.times(), frame.time) + " s";
-  if (const std::string strays = outside_text(outside(frame)); !strays.empty()) below += ", " + strays;
-  draw_text(image, left, (options_.title ? 3.1 : 1.7) * size, below, size, ink);
-  if (field_.kind == ViewField::Kind::category && !options_.contacts)
-    kinds(image, size);
-  else
-    colour_bar(image, size);
-}
-
-/// Colour and name of each kind of body that there is, from above.
-void RunPainter::kinds(Image& image, double size) const {
-  constexpr std::size_t most = 8;
-  const std::vector<std::size_t> all = kinds_shown();
-  const std::size_t named = all.size() > most ? most - 1 : all.size();
-  const int side = static_cast<int>(0.8 * size), x = static_cast<int>(0.9 * size);
-  const double room = 0.4 * image.width;
-  std::vector<std::string> names;
-  for (std::size_t k = 0; k < named; ++k) names.push_back(fitting(kind_name(all[k]), size, room));
-  if (named < all.size()) names.push_back(fmt::format("and {} more", all.size() - named));
-  double widest = text_width(field_.label, size);
-  for (const std::string& name : names) widest = std::max(widest, 1.4 * side + text_width(name, size));
-  const double rows = 1.0 + static_cast<double>(names.size());
-  const int high = static_cast<int>(1.3 * size * rows + 0.6 * size), edge = static_cast<int>(0.4 * size);
-  fill_box(image, x - edge, image.height - high - edge, static_cast<int>(widest) + 2 * edge, high, paper);
-  double y = image.height - 1.2 * size - 1.3 * size * (rows - 1);
-  draw_text(image, x, y, field_.label, size, ink);
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    y += 1.3 * size;
-    if (k < named) fill_box(image, x, static_cast<int>(y) - side, side, side, kind_colour(all[k]));
-    draw_text(image, x + 1.4 * side, y, names[k], size, ink);
-  }
-}
-
-std::vector<std::size_t> RunPainter::kinds_shown() const {
-  std::set<std::size_t> seen;
-  for (const BodyRecord& b : source_.bodies())
-    seen.insert(field_.name == "material" ? b.material : group_of(source_.about(), b.id));
-  return {seen.begin(), seen.end()};
-}
-
-std::string RunPainter::unwritable() const {
-  if (!options_.labels) return {};
-  std::string text = options_.title ? source_.title() : "";
-  if (field_.kind == ViewField::Kind::category)
-    for (const std::size_t kind : kinds_shown()) text += kind_name(kind);
-  return without_outline(text);
-}
-
-std::string RunPainter::kind_name(std::size_t kind) const {
-  const RunAbout& about = source_.about();
-  if (field_.name == "material")
-    return kind < about.materials.size() ? about.materials[kind] : "material " + std::to_string(kind);
-  if (kind >= about.groups.size()) return "others";
-  const auto& group = about.groups[kind];
-  return group.name.empty() ? fmt::format("bodies from {} on", group.first) : group.name;
-}
-
-/// What the colours mean, at the lower left; words alone where there is nothing to colour.
-void RunPainter::colour_bar(Image& image, double size) const {
-  const bool forces = options_.contacts;
-  const std::string unit = forces ? "N" : field_.unit, quantity = forces ? "contact force" : field_.label;
-  const std::string name = unit.empty() ? quantity : quantity + " [" + unit + "]";
-  const int width = static_cast<int>(13 * size), height = static_cast<int>(0.8 * size);
-  const int x = static_cast<int>(0.9 * size), y = image.height - static_cast<int>(2.6 * size);
-  const bool some = forces ? overview_.strongest > 0 : range_.has_value();
-  if (!some) {
-    draw_text(image, x, y + height, quantity + (forces ? ": no contacts" : ": no free bodies"), size, ink);
-    return;
-  }
-  const std::array<double, 2> range = forces ? std::array<double, 2>{0, overview_.strongest} : *range_;
-  draw_text(image, x, y - 0.5 * size, name, size, ink);
-  const std::vector<std::string> ticks = range_ticks(range, !forces && field_.whole);
-  for (int k = 0; k < width; ++k) {
-    const double share = ticks.size() > 1 ? (k + 0.5) / width : 0.0;
-    fill_box(image, x + k, y, 1, height, forces ? inferno(0.15 + 0.75 * share) : viridis(share));
-  }
-  double written = 0;
-  for (const std::string& tick : ticks) written += text_width(tick, 0.9 * size);
-  // long numbers would run into each other: the ends are enough
-  const bool crowded = ticks.size() > 2 && written + text_width(ticks[1], 0.9 * size) > 0.9 * width;
-  for (std::size_t k = 0; k < ticks.size(); k += crowded ? 2 : 1) {
-    const double place = ticks.size() > 1 ? static_cast<double>(k) / static_cast<double>(ticks.size() - 1) : 0.0;
-    const double shift = place * text_width(ticks[k], 0.9 * size);
-    draw_text(image, x + place * width - shift, y + height + 1.1 * size, ticks[k], 0.9 * size, ink);
-  }
-}
-
 namespace {
-std::string outline_note(const RunPainter& painter) {
+
+std::vector<std::string> outline_notes(const RunPainter& painter) {
   const std::string missing = painter.unwritable();
-  return missing.empty() ? "" : "the font of pictures has no " + missing + ": drawn as codes in boxes";
+  if (missing.empty()) return {};
+  return {"the font of pictures has no " + missing + ": drawn as codes in boxes"};
 }
+
+/// Of a film that shows no body at its start, middle and end.
+std::string blind_film(const ViewSource& source, const RunPainter& painter, std::size_t every) {
+  const std::size_t last = (source.times().size() - 1) / every;
+  std::string text;
+  for (const std::size_t k : {std::size_t{0}, last / 2, last}) {
+    text = painter.blind_text(source.frame(k * every));
+    if (text.empty()) return {};
+  }
+  return text;
+}
+
 }  // namespace
 
-std::string render_picture(const ViewSource& source, const RenderOptions& options, std::size_t frame,
-                           const std::filesystem::path& target) {
+std::vector<std::string> render_picture(const ViewSource& source, const RenderOptions& options, std::size_t frame,
+                                        const std::filesystem::path& target) {
   const Overview overview = look_over(source);
   RunPainter painter(source, overview, options);
   write_whole_file(target, {png_of(painter.paint(frame))});
-  return outline_note(painter);
+  std::vector<std::string> notes = outline_notes(painter);
+  if (const std::string blind = painter.blind_text(source.frame(frame)); !blind.empty()) notes.push_back(blind);
+  return notes;
 }
 
 WrittenFilm render_film(const ViewSource& source, const RenderOptions& options, std::size_t every,
@@ -446,7 +369,9 @@ WrittenFilm render_film(const ViewSource& source, const RenderOptions& options, 
   Film film(target, options.width, options.height, rate);
   for (std::size_t k = 0; k < source.times().size(); k += every) film.add(painter.paint(k));
   film.finish();
-  return {pictures, rate, outline_note(painter)};
+  std::vector<std::string> notes = outline_notes(painter);
+  if (const std::string blind = blind_film(source, painter, every); !blind.empty()) notes.push_back(blind);
+  return {pictures, rate, std::move(notes)};
 }
 
 }  // namespace epafi

@@ -43,6 +43,8 @@ class RunPainter {
   const ViewField& field() const { return field_; }
   /// Free bodies of a frame of which the picture shows no part.
   std::size_t outside(const ViewFrame& frame) const;
+  /// Where the picture shows no free body, though there are some: where its camera stands. Else empty.
+  std::string blind_text(const ViewFrame& frame) const;
   /// Characters of its labels that have no outline (without_outline); empty: all have one.
   std::string unwritable() const;
 
@@ -63,6 +65,7 @@ class RunPainter {
   RenderOptions options_;
   ViewField field_;
   std::optional<std::array<double, 2>> range_;  ///< none: there is no value
+  bool resting_;                                ///< no value is more than rounding gives
   Camera camera_;
   DrawnAxes axes_;
   bool above_ground_;      ///< the eye
@@ -71,16 +74,16 @@ class RunPainter {
   std::map<std::int32_t, std::vector<std::uint32_t>> edges_;  ///< of each mesh
 };
 
-/// One frame as PNG. Returns a note on characters that could not be written; empty: none.
-[[nodiscard]] std::string render_picture(const ViewSource& source, const RenderOptions& options, std::size_t frame,
-                                         const std::filesystem::path& target);
+/// One frame as PNG. Returns notes: characters that could not be written, a camera that sees nothing.
+[[nodiscard]] std::vector<std::string> render_picture(const ViewSource& source, const RenderOptions& options,
+                                                      std::size_t frame, const std::filesystem::path& target);
 
 /// Every so many frames as a film; the ending of the name chooses: .mp4 or .webm. Throws FileError with what to install
 /// where ffmpeg is not there.
 struct WrittenFilm {
   std::size_t pictures;
-  double rate;       ///< of pictures [1/s]
-  std::string note;  ///< as of a picture
+  double rate;                     ///< of pictures [1/s]
+  std::vector<std::string> notes;  ///< as of a picture
 };
 [[nodiscard]] WrittenFilm render_film(const ViewSource& source, const RenderOptions& options, std::size_t every,
                                       const std::filesystem::path& target);

@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <map>
@@ -16,8 +19,9 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t most_kept = 32;  // encoded chunks
 
-/// Changes when the run has written something, ends or is killed.
+/// Changes when the run has written something, ends or is killed, and when it goes.
 struct FolderMark {
+  bool is_there = false;
   std::uintmax_t bytes = 0;
   fs::file_time_type written{};
   RunLife life = RunLife::over;
@@ -26,7 +30,19 @@ struct FolderMark {
 
 FolderMark mark_of(const fs::path& folder) {
   std::error_code none;
-  return {fs::file_size(folder / "run.h5", none), fs::last_write_time(folder / "run.h5", none), run_state(folder).life};
+  return {fs::exists(folder / "run.h5", none), fs::file_size(folder / "run.h5", none),
+          fs::last_write_time(folder / "run.h5", none), run_state(folder).life};
+}
+
+std::string text_of(const FolderMark& mark) {
+  return fmt::format("{} {} {} {}", mark.is_there, mark.bytes, mark.written.time_since_epoch().count(),
+                     static_cast<int>(mark.life));
+}
+
+/// Frames of the one are those of the other as far as both have them; a run that is resumed drops some at its end.
+bool go_on(const std::vector<std::string>& before, const std::vector<std::string>& after) {
+  const auto both = static_cast<std::ptrdiff_t>(std::min(before.size(), after.size()));
+  return std::equal(before.begin(), before.begin() + both, after.begin());
 }
 
 }  // namespace
@@ -37,6 +53,9 @@ struct RunServer::State {
   Overview overview;
   std::size_t looked_at = 0;  ///< frames that there were at the last look over all
   FolderMark mark;
+  std::size_t runs = 0;             ///< that the folder has held
+  std::string identity;             ///< of the run that is shown
+  std::vector<std::string> hashes;  ///< of its frames
   std::unique_ptr<Packer> packer;
   std::map<std::size_t, std::string> chunks;  ///< encoded, of whole chunks
 
@@ -56,8 +75,15 @@ struct RunServer::State {
     const auto now = mark_of(folder);
     if (now == mark) return;
     auto fresh = open_run(folder);
-    const bool grows = source != nullptr && fresh->times().size() >= source->times().size();
-    if (!grows) chunks.clear();
+    std::vector<std::string> now_hashes = fresh->state_hashes();
+    const bool same = source != nullptr && identity == fresh->identity() && go_on(hashes, now_hashes);
+    if (!same || now_hashes.size() < hashes.size()) chunks.clear();
+    if (!same) {
+      ++runs;
+      overview = {};
+    }
+    identity = fresh->identity();
+    hashes = std::move(now_hashes);
     packer.reset();
     source = std::move(fresh);
     look();
@@ -65,6 +91,9 @@ struct RunServer::State {
   }
 
   HttpAnswer answer(const std::string& path);
+
+  /// A page that has got another one loads anew. Empty: that cannot be.
+  std::string shown_run() const { return folder.empty() ? "" : fmt::format("{}-{}", identity, runs); }
 
   std::string chunk(std::size_t k) {
     const auto kept = chunks.find(k);
@@ -111,8 +140,9 @@ HttpAnswer RunServer::State::answer(const std::string& path) {
   if (path == "/") return {200, "text/html; charset=utf-8", served_page(source->title())};
   if (path == "/manifest") {
     read_again();
-    return {200, "application/json", packer->manifest(packer->columns(), {})};
+    return {200, "application/json", packer->manifest(packer->columns(), {}, shown_run())};
   }
+  if (path == "/mark") return {200, "text/plain", folder.empty() ? "" : text_of(mark_of(folder))};
   const char* binary = "application/octet-stream";
   if (path == "/bodies") return {200, binary, packer->bodies()};
   const std::string word = "/chunk-";

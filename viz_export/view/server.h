@@ -34,7 +34,8 @@ class LocalServer {
   std::uint16_t port_ = 0;
 };
 
-/// What the page asks for: "/", "/manifest", "/bodies", "/chunk-N". The run is read again when its files have changed.
+/// What the page asks for: "/", "/mark" (changes with the run's files), "/manifest", "/bodies", "/chunk-N". The run is
+/// read again when its files have changed.
 class RunServer {
  public:
   explicit RunServer(std::filesystem::path folder);

@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "engine/state/hash.h"
 #include "engine/units/error.h"
 #include "viz_export/files/run_folder.h"
 #include "viz_export/files/run_mark.h"
@@ -159,6 +160,17 @@ class RunSource final : public ViewSource {
   bool has_contacts() const override { return !contacts_.empty(); }
   bool has_residuals() const override { return residuals_; }
   bool is_running() const override { return state_.life == RunLife::running; }
+  std::string identity() const override {
+    Hash hash;
+    for (const std::string& text : {run_.version(), run_.title(), run_.scene_text(), run_.overrides(), run_.about()})
+      hash.add(text);
+    return hash.hex();
+  }
+  std::vector<std::string> state_hashes() const override {
+    std::vector<std::string> out;
+    for (std::size_t k = 0; k < times_.size(); ++k) out.push_back(run_.state_hash(k));
+    return out;
+  }
   std::string cut_text() const override {
     if (state_.life != RunLife::cut) return {};
     return fmt::format("the run was cut off after t = {:.6g} s: {}", last_time(), state_.cause);

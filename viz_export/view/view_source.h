@@ -36,6 +36,10 @@ class ViewSource {
   virtual bool has_contacts() const = 0;
   virtual bool has_residuals() const = 0;  ///< of contacts
   virtual bool is_running() const = 0;
+  /// Tells this run from another one in the same folder; empty: it cannot change.
+  virtual std::string identity() const { return {}; }
+  /// Of the state at each frame; empty where there is no file to tell them.
+  virtual std::vector<std::string> state_hashes() const { return {}; }
   /// Of a run that was killed: that it was, and after what time. Empty of all others.
   virtual std::string cut_text() const { return {}; }
   /// What of the run's files cannot be read, though it is shown: each once, as far as they have been read.

@@ -53,6 +53,16 @@ template <class S>
 constexpr bool is_curved = std::is_same_v<S, Capsule> || std::is_same_v<S, Cylinder> || std::is_same_v<S, Ellipsoid> ||
                            std::is_same_v<S, Superquadric> || std::is_same_v<S, Clump> || HollowShape<S>;
 
+template <class S>
+Fineness fineness_of(const S& shape) {
+  if constexpr (HollowShape<S>) return {.segments = 48};  // few, and large
+  if constexpr (std::is_same_v<S, Superquadric>) {
+    constexpr int round = 3;  // exponent; beyond it a quarter needs points on both sides of its edge
+    if (std::max(shape.across, shape.along) > round) return {.segments = 24};
+  }
+  return fineness;
+}
+
 /// Support points of a latitude-longitude grid of directions about z: for shapes that offer nothing else.
 template <class S>
 Surface support_grid(const S& shape) {
@@ -88,8 +98,7 @@ Surface surface_of(const ShapeStore& shapes, ShapeRef ref, double plane_size, co
     } else if constexpr (requires { shape.view().face_begin; }) {
       return faces_of(shape.view());
     } else if constexpr (requires { tessellate(shape, fineness); }) {
-      constexpr Fineness finer = HollowShape<S> ? Fineness{.segments = 48} : fineness;  // few, and large
-      Surface surface = triangles_of(tessellate(shape, finer));
+      Surface surface = triangles_of(tessellate(shape, fineness_of(shape)));
       surface.curved = is_curved<S>;
       return surface;
     } else {

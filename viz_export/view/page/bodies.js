@@ -22,9 +22,9 @@ function joinedPoints(points) {
   return same;
 }
 
-// Edges between faces that are bent by more than 30 degrees, and borders: pairs of corners.
+// Edges between faces that are bent by more than 30 degrees, where the shading shows it too, and borders: pairs of corners.
 function featureEdges(mesh) {
-  const { points, corners } = mesh;
+  const { points, corners, normals } = mesh;
   const same = joinedPoints(points);
   const faces = new Map();
   for (let t = 0; t < corners.length; t += 3) {
@@ -33,17 +33,19 @@ function featureEdges(mesh) {
       const b = same[corners[t + ((e + 1) % 3)]];
       const key = a < b ? a + ":" + b : b + ":" + a;
       if (!faces.has(key)) faces.set(key, [a, b]);
-      faces.get(key).push(t);
+      faces.get(key).push({ t, at: a < b ? [t + e, t + ((e + 1) % 3)] : [t + ((e + 1) % 3), t + e] });
     }
   }
   const normalOf = (t) => {
     const p = [0, 1, 2].map((e) => new THREE.Vector3().fromArray(points, 3 * corners[t + e]));
     return p[1].sub(p[0]).cross(p[2].sub(p[0])).normalize();
   };
+  // The normals of both sides at an end; facets of round bodies share them.
+  const shaded = (one, two, end) => [0, 1, 2].reduce((sum, k) => sum + normals[3 * one.at[end] + k] * normals[3 * two.at[end] + k], 0) < 0.97 * 127 * 127;
+  const isBent = (one, two) => normalOf(one.t).dot(normalOf(two.t)) < 0.86 && (shaded(one, two, 0) || shaded(one, two, 1));
   const out = [];
   for (const [a, b, ...around] of faces.values()) {
-    const bent = around.length !== 2 || normalOf(around[0]).dot(normalOf(around[1])) < 0.86;
-    if (bent) out.push(a, b);
+    if (around.length !== 2 || isBent(...around)) out.push(a, b);
   }
   return out;
 }

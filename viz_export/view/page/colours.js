@@ -11,8 +11,9 @@ const polynomials = {
     [25.13112622477341, -12.24266895238567, -23.07032500287172]],
   grey: [[0.2, 0.2, 0.2], [0.75, 0.75, 0.75]],
 };
+const onlyShare = 0.5;  // of the map: where there is one value
 const kindColours = [[0.0, 0.45, 0.7], [0.9, 0.62, 0.0], [0.0, 0.62, 0.45], [0.8, 0.47, 0.65], [0.34, 0.71, 0.91], [0.84, 0.37, 0.0],
-  [0.94, 0.89, 0.26], [0.6, 0.6, 0.6]];
+  [0.94, 0.89, 0.26], [0.6, 0.6, 0.6], [0.0, 0.18, 0.38], [0.45, 0.31, 0.0], [0.0, 0.35, 0.15], [0.42, 0.18, 0.36]];
 
 function colourAt(map, share) {
   const c = polynomials[map];
@@ -24,6 +25,9 @@ function colourAt(map, share) {
   });
 }
 
+// Further kinds repeat them.
+const kindColour = (kind) => kindColours[kind % kindColours.length];
+
 function css(rgb) {
   return "rgb(" + rgb.map((v) => Math.round(255 * v)).join(",") + ")";
 }
@@ -32,7 +36,7 @@ function css(rgb) {
 function colourTable(map, kinds) {
   const bytes = new Uint8Array(256 * 4);
   for (let k = 0; k < 256; ++k) {
-    const rgb = kinds ? kindColours[k % kindColours.length] : colourAt(map, k / 255);
+    const rgb = kinds ? kindColour(k) : colourAt(map, k / 255);
     bytes.set([...rgb.map((v) => Math.round(255 * v)), 255], 4 * k);
   }
   return bytes;
@@ -66,7 +70,7 @@ function timeText(times, time) {
 // Start, middle and end of a legend: one text where all values are the same, no half counts.
 function rangeTicks(range, whole) {
   const [low, high] = range;
-  if (low === high) return [digits(low)];
+  if (low === high) return [`all ${digits(low)}`];
   const middle = (low + high) / 2;
   return whole && !Number.isInteger(middle) ? [digits(low), digits(high)] : [digits(low), digits(middle), digits(high)];
 }

@@ -89,13 +89,28 @@ class Page extends Picker {
   }
 }
 
+// Until the run has one, or is another.
+function waitForFrames(source, viewer) {
+  const loadAgain = () => (viewer.anew ? loadAnew() : location.reload());
+  setInterval(async () => {
+    try {
+      await source.readManifest();
+    } catch (e) {
+      if (!(e instanceof MadeAnew)) return;  // it is written just now, or has gone
+      loadAgain();
+    }
+    if (source.frames > 0) loadAgain();
+  }, 1000);
+}
+
 async function main() {
   const message = (text) => {
     el("message").hidden = false;
     el("message").textContent = text;
   };
+  const source = new Source();
   try {
-    const source = new Source();
+    if (!source.inside) await source.hasChanged();
     await source.readManifest();
     const viewer = new Page(source);
     window.epafi = viewer;
@@ -103,17 +118,14 @@ async function main() {
     viewer.start();
     if (source.frames === 0) {
       message("There is no frame yet.");
-      const wait = setInterval(async () => {
-        await source.readManifest();
-        if (source.frames > 0) location.reload();
-        else if (source.inside) clearInterval(wait);
-      }, 1000);
+      if (!source.inside) waitForFrames(source, viewer);
       return;
     }
     await viewer.goTo(0);
     viewer.draw(0);
     setTimeout(() => viewer.follow(), 1000);
   } catch (e) {
+    document.body.classList.add("failed");  // nothing of the page works
     message(e.message);
     throw e;
   }

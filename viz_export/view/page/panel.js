@@ -11,27 +11,30 @@ function ticksAt(box, range, whole) {
   box.replaceChildren(...rangeTicks(range, whole).map((t) => Object.assign(document.createElement("span"), { textContent: t })));
 }
 
-// range: null where no body has a value of the field. kinds: { name, colour } of those that there are.
-function showLegend(field, map, range, kinds) {
+// range: null where no body has a value of the field. resting: 98 % are no more than rounding gives; all have one colour, as
+// where all are the same. kinds: { name, colour } of those that there are.
+function showLegend(field, map, range, resting, kinds) {
   const numbers = field.kind !== "category" && range !== null;
   el("legend-name").textContent = field.kind !== "category" && !numbers ? field.label + ": no free bodies" : labelOf(field.label, field.unit);
   el("legend-bar").hidden = el("legend-ticks").hidden = !numbers;
   el("legend-bar").style.display = numbers ? "" : "none";
   el("legend-ticks").style.display = numbers ? "" : "none";
   if (numbers) {
-    el("legend-bar").style.background = range[0] === range[1] ? css(colourAt(map, 0)) : gradient(map);
-    ticksAt(el("legend-ticks"), range, field.whole);
+    el("legend-bar").style.background = resting || range[0] === range[1] ? css(colourAt(map, onlyShare)) : gradient(map);
+    if (resting) el("legend-ticks").textContent = `${field.name === "residual" ? "rounding" : "at rest"}: 98 % below ${digits(range[1])}`;
+    else ticksAt(el("legend-ticks"), range, field.whole);
   }
   const most = 12;
   const named = kinds.length > most ? kinds.slice(0, most - 1) : kinds;
   el("legend-kinds").replaceChildren(...named.map(({ name, colour }) => {
     const row = document.createElement("div");
     const mark = document.createElement("i");
-    mark.style.background = css(kindColours[colour % kindColours.length]);
+    mark.style.background = css(kindColour(colour));
     row.append(mark, Object.assign(document.createElement("span"), { textContent: name, title: name }));
     return row;
   }));
   if (named.length < kinds.length) el("legend-kinds").append(`and ${kinds.length - named.length} more`);
+  if (kinds.length > kindColours.length) el("legend-kinds").append(`; ${kindColours.length} colours, which repeat`);
 }
 
 // range: null where there are no contacts.
@@ -83,7 +86,7 @@ function showAxes(camera) {
     return { name, colour: colours[k], x: 34 * v.x, y: -34 * v.y, z: v.z };
   });
   ways.sort((a, b) => a.z - b.z);
-  el("axes").innerHTML = ways.map((w) =>
+  el("axes").innerHTML = '<circle r="49"/>' + ways.map((w) =>
     `<line x2="${w.x}" y2="${w.y}" stroke="${w.colour}" stroke-width="3"/><text x="${1.25 * w.x}" y="${1.25 * w.y + 4}" fill="${w.colour}" text-anchor="middle" font-size="14">${w.name}</text>`).join("");
 }
 

@@ -1,5 +1,5 @@
 // What the user picks: a body or a contact, its values at the picture's time and their course.
-class Picker extends Viewer {
+class Picker extends Follower {
   // x, y: in pixels of the page.
   pickAt(x, y) {
     const area = el("picture").getBoundingClientRect();

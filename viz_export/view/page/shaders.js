@@ -150,7 +150,10 @@ void main() {
     return;
   }
   vec3 n = normalize(outward);
-  if (dot(n, seen) > 0.0) n = -n;
+  vec3 facet = cross(dFdx(seen), dFdy(seen));
+  if (dot(n, facet) * dot(facet, seen) > 0.0) n = -n;  // seen from behind
+  float beyond_outline = dot(n, seen);  // of the curved surface that the facet stands for
+  if (beyond_outline > 0.0) n = normalize(n - beyond_outline / dot(seen, seen) * seen);
   vec3 c = lit(baseColour(look.x), n);
   if (!gl_FrontFacing && look.y > 0.995) c *= 0.72;
   colour = vec4(c, look.y);

@@ -25,9 +25,23 @@ class Source {
     if (!answer.ok) throw new Error(await answer.text());
     return new Uint8Array(await answer.arrayBuffer());
   }
+  async text(name) {
+    return new TextDecoder().decode(await this.bytes(name));
+  }
+  // Since it was asked last.
+  async hasChanged() {
+    const mark = await this.text("mark");
+    const changed = mark !== this.mark;
+    this.nextMark = mark;
+    return changed;
+  }
   async readManifest() {
-    if (this.inside) this.manifest = JSON.parse(this.inside.textContent);
-    else this.manifest = JSON.parse(new TextDecoder().decode(await this.bytes("manifest")));
+    const mark = this.nextMark;
+    const manifest = JSON.parse(this.inside ? this.inside.textContent : await this.text("manifest"));
+    if (this.manifest && manifest.identity !== this.manifest.identity) throw new MadeAnew();
+    if (this.manifest && manifest.times.length < this.frames) this.kept.clear();  // resumed from before its last frame
+    this.manifest = manifest;
+    this.mark = mark;
     this.origin = this.origin || originOf(this.manifest.box);
     if (!this.bodies || this.bodies.n !== this.manifest.bodies) {
       this.bodies = bodiesOf(await inflate(await this.bytes("bodies")));

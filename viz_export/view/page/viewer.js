@@ -9,11 +9,6 @@ function drawsInSoftware() {
   return /swiftshader|llvmpipe|software/i.test(name);
 }
 
-// fetch throws a TypeError where nobody answers; else it is what the server said.
-function troubleOf(error) {
-  return error instanceof TypeError ? "the server does not answer: the program that showed this run has ended" : error.message;
-}
-
 const paleWall = 0.22;  // opacity
 
 class Viewer {
@@ -28,6 +23,7 @@ class Viewer {
     this.below = false;  // the eye, under the ground
     this.opacities = { body: [], material: [] };
     this.trouble = "";  // of the server
+    this.anew = !source.inside && wasMadeAnew() ? "the run was made anew, and this page loaded again" : "";
   }
 
   get manifest() {
@@ -49,6 +45,7 @@ class Viewer {
     this.controls.addEventListener("change", () => {
       this.cutWithView();
       this.lookAtGround();
+      this.lookForBodies();
       this.dirty = true;
     });
     const near = (p) => new THREE.Vector3(...p.map((v, axis) => v - this.source.origin[axis]));
@@ -167,7 +164,7 @@ class Viewer {
     el("time").max = Math.max(0, this.source.frames - 1);
     const last = this.manifest.times.length > 0 ? timeText(this.manifest.times, this.manifest.times[this.source.frames - 1]) : "0";
     const running = this.source.inside ? `the run went on, at t = ${last} s, when this page was written` : `the run goes on: ${this.source.frames} frames until t = ${last} s; End goes to the last one and follows`;
-    el("notes").textContent = [...(this.outside ? [this.outside] : []), ...this.manifest.notes, ...(this.manifest.cut ? [this.manifest.cut] : []), ...(this.trouble ? [this.trouble] : this.manifest.running ? [running] : [])].join("\n");
+    el("notes").textContent = [...[this.anew, this.blind, this.outside].filter((note) => note), ...this.manifest.notes, ...(this.manifest.cut ? [this.manifest.cut] : []), ...(this.trouble ? [this.trouble] : this.manifest.running ? [running] : [])].join("\n");
     el("notes").classList.toggle("cut", this.manifest.cut !== undefined);
   }
 
@@ -206,9 +203,14 @@ class Viewer {
     const kinds = field.kind !== "category" ? [] : field.name === "material"
       ? this.opacities.material.map((e, k) => ({ name: e.name, colour: k })).filter((e) => this.materials.has(e.colour))
       : this.opacities.body.filter((_, k) => this.present.has(k)).map((e, k) => ({ name: e.name, colour: k }));
-    showLegend(field, el("map").value, this.range, kinds);
+    showLegend(field, el("map").value, this.range, this.resting(), kinds);
     this.bodies.setTable(colourTable(el("map").value, field.kind === "category"));
     if (this.frame) this.showFrame();
+  }
+
+  // Of the field 98 % are no more than rounding gives, and nobody has asked for a range.
+  resting() {
+    return this.field().resting === true && !this.chosenRange;
   }
 
   // The field's number of a body of the frame.
@@ -225,7 +227,7 @@ class Viewer {
 
   shares(frame) {
     const field = this.field();
-    const [low, high] = this.range || [0, 0];
+    const [low, high] = this.resting() ? [0, 0] : this.range || [0, 0];
     const out = new Float32Array(frame.n);
     const kindOf = [];
     if (field.name === "body") [...this.present].sort((a, b) => a - b).forEach((g, k) => (kindOf[g] = k));
@@ -233,7 +235,7 @@ class Viewer {
       const value = this.valueOf(frame, row, field.name);
       if (field.kind === "category") out[row] = (field.name === "body" ? kindOf[value] : value) % 256 / 255;
       else if (this.source.bodies.wall[frame.id[row]]) out[row] = this.isGround(frame.id[row]) ? -3 : -2;
-      else out[row] = high > low ? Math.min(1, Math.max(0, (value - low) / (high - low))) : 0;
+      else out[row] = high > low ? Math.min(1, Math.max(0, (value - low) / (high - low))) : onlyShare;
     }
     return out;
   }
@@ -274,6 +276,7 @@ class Viewer {
     const time = this.manifest.times[this.at];
     el("time").value = this.at;
     this.countOutside();
+    this.lookForBodies();
     el("clock").textContent = `t = ${timeText(this.manifest.times, time)} s`;
     this.showMeasure();
     this.showPick();
@@ -292,6 +295,30 @@ class Viewer {
     const text = n > 0 ? `${n} ${n > 1 ? "bodies" : "body"} outside the picture` : "";
     if (text === (this.outside || "")) return;
     this.outside = text;
+    this.manifestChanged();
+  }
+
+  // A camera that shows no free body says so: it looks elsewhere.
+  lookForBodies() {
+    if (!this.frame) return;
+    const { radius, wall } = this.source.bodies;
+    this.camera.updateMatrixWorld();
+    const seen = new THREE.Matrix4().multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse);
+    const view = new THREE.Frustum().setFromMatrix(seen);
+    const ball = new THREE.Sphere();
+    let free = 0;
+    let shown = false;
+    for (let row = 0; row < this.frame.n && !shown; ++row) {
+      const id = this.frame.id[row];
+      if (wall[id]) continue;
+      ++free;
+      ball.center.fromArray(this.frame.place, 3 * row);
+      ball.radius = radius[id];
+      shown = view.intersectsSphere(ball);
+    }
+    const text = free > 0 && !shown ? "the camera sees no body: the keys 1 to 7 are other cameras" : "";
+    if (text === (this.blind || "")) return;
+    this.blind = text;
     this.manifestChanged();
   }
 
@@ -329,6 +356,7 @@ class Viewer {
   place(name) {
     placeCamera(name, this.camera, this.controls, this.box, this.manifest, this.source.origin);
     this.lookAtGround();
+    this.lookForBodies();
     this.dirty = true;
   }
 
@@ -415,34 +443,5 @@ class Viewer {
       document.body.dataset.ready = "true";
     }
     requestAnimationFrame((t) => this.draw(t));
-  }
-
-  // Colours go to the ends of what is known by now, unless the user has chosen a range.
-  followRange() {
-    const range = this.field().range || null;
-    const isTyping = [el("low"), el("high")].includes(document.activeElement);
-    if (this.chosenRange || isTyping || String(range) === String(this.range)) return;
-    this.resetRange();
-  }
-
-  async follow() {
-    if (this.source.inside || !(this.manifest.running || this.manifest.cut)) return;  // who resumes a cut run is followed on
-    const atEnd = this.at >= this.source.frames - 1;
-    try {
-      if (await this.source.readManifest()) {
-        this.makeObjects();
-        this.showColours();
-        this.setTheme();
-      }
-      this.trouble = "";
-      this.fillMeasures();
-      this.manifestChanged();
-      this.followRange();
-      this.showMeasure();
-      if (atEnd && !this.playing) await this.goTo(this.source.frames - 1);
-    } catch (e) {
-      this.tell(troubleOf(e));
-    }
-    setTimeout(() => this.follow(), this.manifest.cut ? 5000 : 1000);
   }
 }
