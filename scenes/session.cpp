@@ -79,6 +79,7 @@ struct Session::Files {
   StateSnapshot last_good;
   RunMark mark;
   std::unique_ptr<MeasuresCsv> course{};  ///< null: none is written
+  OutputThread beside{};                  ///< writes run and frames; last: it ends before them
 };
 
 Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder,
@@ -97,6 +98,7 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
   else
     files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv"), RunFile(folder_ / "run.h5", header),
                            FrameWriter(folder_), StateSnapshot(folder_ / ".last_good"), RunMark(folder_)});
+  files_->run.write_beside(files_->beside);
   if (output_ == Output::all) files_->course = course_file(folder_ / "progress.csv", from);
   if (from) record_ = RunRecord::from_text(from->record);
   if (record_.stages.empty()) begin_record();
@@ -140,11 +142,13 @@ bool Session::is_done() const {
 }
 
 void Session::files_renew() {
+  files_->beside.wait();
   files_->run.renew_shapes(assembly_->origins);
   files_->last_good = StateSnapshot(folder_ / ".last_good");
 }
 
 void Session::walk(StateVisitor& visitor) {
+  files_->beside.wait();  // the frames are a part of the state
   assembly_->simulation->visit(visitor);
   files_->frames.visit(visitor);
   if (watched_) visitor.value("session/met_since", met_since_);
@@ -200,6 +204,7 @@ void Session::add_observers() {
       &files_->run, &files_->frames, *assembly_->shapes, EverySteps::of_time(interval, dt, first),
       [&sim] { return contact_residuals(under_layers(sim)); }, scene.stages[scene.stage].name);
   frames_ = frames.get();
+  frames_->write_beside(files_->beside);
   if (ends_between_steps(scene.run.duration.value, interval, dt))
     sim.observers.push_back(std::make_unique<FramesToTheEnd>(std::move(frames), last_step()));
   else
@@ -230,6 +235,7 @@ void Session::write_contact_problem() const {
   const ContactProblem* problem = last_problem(under_layers(sim));
   if (problem == nullptr || problem->size() == 0) return;
   const std::string scene = std::filesystem::path(assembly_->scene.file).stem().string();
+  files_->beside.wait();
   std::filesystem::create_directories(folder_ / "problems");
   write_problem(folder_ / "problems" / fmt::format("{}-i{:06}-{}.hdf5", scene, sim.steps(), problem->size()),
                 assemble_global(*problem),
@@ -244,6 +250,7 @@ CheckpointHeader Session::header() const {
 }
 
 void Session::save_checkpoint_now() {
+  files_->beside.wait();
   files_->csv.flush();
   if (files_->course) files_->course->flush();
   files_->run.flush();
@@ -383,6 +390,7 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
       if (const auto reason = reason_to_stop(limits); reason && ending_ == Ending::completed && !is_final())
         ending_ = *reason;
     } while (ending_ == Ending::completed && next_stage());
+    files_->beside.wait();
   });
   Simulation& sim = *assembly_->simulation;
   if (ending_ == Ending::stopped) end_record("condition");
@@ -410,6 +418,7 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
     sim.show(look);
   }
   if (output_ == Output::least) {
+    files_->beside.wait();
     StateRecorder last(&files_->run, nullptr, *assembly_->shapes, EverySteps());
     sim.show(last);
   }

@@ -195,7 +195,7 @@ void BatchNarrowPhase::collide(const World& world, const PairList& list, Contact
 }
 
 void BatchNarrowPhase::unite(const World& world, ContactSet& contacts) {
-  if (!seams_) return;
+  if (!seams_ || contacts.size() == 0) return;  // spheres in their own loop are not among the contacts
   if (!seams_known_ || !seams_->knows(world)) seams_->find(world);
   seams_known_ = true;
   seams_->hide(world, contacts);

@@ -2,6 +2,7 @@
 /// Between the halves world.velocity is that of the middle of the step; contact laws see velocities at its end
 /// through StepClock::velocity_lag, so damping is of second order too. Bounded below dt = 2/omega (case B02).
 #pragma once
+#include "engine/state/spin_bodies.h"
 #include "engine/step/pipeline.h"
 #include "engine/threads/parallel.h"
 
@@ -24,25 +25,34 @@ class VelocityVerlet final : public Scheme {
                     [&](std::size_t i, std::size_t end, std::size_t) { second_half(world, dt, i, end); });
   }
   void first_half(World& world, double dt, std::size_t begin, std::size_t end) override {
-    const bool turns = world.has_orientation();
+    const bool turns = world.has_orientation(), uneven = turns && has_uneven(world);
     for (std::size_t i = begin; i < end; ++i) {
       const auto s = static_cast<Slot>(i);
-      const bool spins = turns && world.columns().anisotropy && world.columns().free_turn && !world.is_isotropic(s);
+      const bool spins = uneven && !world.is_isotropic(s);
       if (spins)
         push(world, s, 0.5 * dt);
       else
         kick(world, s, 0.5 * dt);
       for (int k = 0; k < 3; ++k) world.position[s][k] += dt * world.velocity[s][k];
-      if (spins) world.angular_momentum[s] += 0.5 * dt * world.torque[s];  // the angular velocity follows the turn
-      if (turns) world.rotate(s, dt);
+      if (turns && !spins) world.rotate(s, dt);
     }
+    if (uneven) spin_bodies(world, 0.5 * dt, dt, begin, end);
   }
   void second_half(World& world, double dt, std::size_t begin, std::size_t end) override {
-    for (std::size_t i = begin; i < end; ++i) kick(world, static_cast<Slot>(i), 0.5 * dt);
+    const bool uneven = world.has_orientation() && has_uneven(world);
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto s = static_cast<Slot>(i);
+      if (uneven && !world.is_isotropic(s))
+        push(world, s, 0.5 * dt);
+      else
+        kick(world, s, 0.5 * dt);
+    }
+    if (uneven) spin_bodies(world, 0.5 * dt, 0.0, begin, end);
   }
 
  private:
   static constexpr std::size_t range = 512;
+  static bool has_uneven(const World& world) { return world.columns().anisotropy && world.columns().free_turn; }
   /// World::acceleration and apply_angular_impulse with their common cases in place: three quarters of the time.
   [[gnu::always_inline]] static inline void kick(World& world, Slot s, double dt) {
     if (!(world.inverse_mass[s] > 0.0)) return;

@@ -159,6 +159,27 @@ void World::visit(StateVisitor& visitor) {
   });
 }
 
+void World::copy_shown(const World& from) {
+  columns_ = from.columns_;
+  columns_.states = columns_.force = columns_.held_force = false;
+  columns_.external_force = columns_.external_torque = columns_.loose_force = false;
+  time = from.time;
+  clock = from.clock;
+  cell = from.cell;
+  slot_of_ = from.slot_of_;
+  id = from.id;
+  shape = from.shape;
+  material = from.material;
+  inverse_mass = from.inverse_mass;
+  position = from.position;
+  velocity = from.velocity;
+  wraps = from.wraps;
+  orientation = from.orientation;
+  angular_velocity = from.angular_velocity;
+  inverse_inertia = from.inverse_inertia;
+  inverse_moment = from.inverse_moment;
+}
+
 void World::reserve(std::size_t bodies) {
   slot_of_.reserve(bodies);
   if (columns_.states) {

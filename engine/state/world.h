@@ -190,6 +190,8 @@ class World {
   Reordering reorder(std::span<const Slot> order);
 
   void visit(StateVisitor& visitor);
+  /// Becomes what files show of `from`: everything but forces and momenta. Room is kept for the next time.
+  void copy_shown(const World& from);
   /// Bytes of the columns of one body, as `epafi explain` prints them.
   std::size_t bytes_per_body() const;
 

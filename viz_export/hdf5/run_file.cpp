@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
 
 #include "viz_export/files/side_file.h"
 #include "viz_export/hdf5/hdf5_file.h"
 #include "viz_export/hdf5/run_layout.h"
+#include "viz_export/output/output_thread.h"
 
 namespace epafi {
 
@@ -220,10 +222,20 @@ void RunFile::write_orientations(Hdf5File& file, const std::string& group, const
   });
 }
 
+std::optional<RunFile::Snapshot> RunFile::begin_snapshot(SnapshotStamp stamp) {
+  if (static_cast<std::int64_t>(stamp.step) <= last_step_) return std::nullopt;
+  last_step_ = static_cast<std::int64_t>(stamp.step);
+  return Snapshot{std::move(stamp), take_measures()};
+}
+
 void RunFile::add_snapshot(const SnapshotStamp& stamp, const BodyList& bodies) {
-  if (static_cast<std::int64_t>(stamp.step) <= last_step_) return;
+  if (const auto snapshot = begin_snapshot(stamp)) write(*snapshot, bodies);
+}
+
+void RunFile::write(const Snapshot& snapshot, const BodyList& bodies) {
+  const SnapshotStamp& stamp = snapshot.stamp;
   Hdf5File file(path_, Hdf5File::Mode::append);
-  append_measures(file);
+  append_measures(file, snapshot.measures);
   append_bodies(file, bodies);
   const std::string group = numbered("snapshots", snapshots_);
   const std::size_t n = bodies.size();
@@ -243,7 +255,6 @@ void RunFile::add_snapshot(const SnapshotStamp& stamp, const BodyList& bodies) {
   if (!stamp.stage.empty()) file.set_attribute(group, "stage", stamp.stage);
   file.close();
   ++snapshots_;
-  last_step_ = static_cast<std::int64_t>(stamp.step);
 }
 
 std::size_t RunFile::define_measure(const std::string& name, const std::vector<std::string>& components,
@@ -271,26 +282,35 @@ void RunFile::add_measure(std::size_t measure, double time, const std::vector<do
   m.values.insert(m.values.end(), values.begin(), values.end());
   buffered_ += 1 + values.size();
   if (buffered_ < most_buffered) return;
+  if (beside_ == nullptr) return append_measures(take_measures());
+  beside_->add([this, rows = take_measures()] { append_measures(rows); });
+}
+
+std::vector<RunFile::Rows> RunFile::take_measures() {
+  std::vector<Rows> out;
+  for (std::size_t k = 0; k < measures_.size(); ++k) {
+    Measure& m = measures_[k];
+    if (!m.times.empty()) out.push_back({k, std::exchange(m.times, {}), std::exchange(m.values, {})});
+  }
+  buffered_ = 0;
+  return out;
+}
+
+void RunFile::append_measures(const std::vector<Rows>& rows) {
   Hdf5File file(path_, Hdf5File::Mode::append);
-  append_measures(file);
+  append_measures(file, rows);
   file.close();
 }
 
-void RunFile::append_measures(Hdf5File& file) {
-  for (Measure& m : measures_) {
-    if (m.times.empty()) continue;
-    file.append<double>(m.group + "/time", m.times);
-    file.append<double>(m.group + "/value", m.values);
-    m.times.clear();
-    m.values.clear();
+void RunFile::append_measures(Hdf5File& file, const std::vector<Rows>& rows) {
+  for (const Rows& r : rows) {
+    file.append<double>(measures_[r.measure].group + "/time", r.times);
+    file.append<double>(measures_[r.measure].group + "/value", r.values);
   }
-  buffered_ = 0;
 }
 
 void RunFile::flush() {
-  Hdf5File file(path_, Hdf5File::Mode::append);
-  append_measures(file);
-  file.close();
+  append_measures(take_measures());
   sync_to_disk(path_);
 }
 

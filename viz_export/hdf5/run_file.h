@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,7 @@ struct SnapshotStamp {
 };
 
 class Hdf5File;
+class OutputThread;
 
 class RunFile {
  public:
@@ -50,8 +52,24 @@ class RunFile {
   /// Continues the file of an interrupted run: snapshots after `step` and measures after `time` [s] are dropped.
   RunFile(std::filesystem::path path, const RunFileHeader& header, std::uint64_t step, double time);
 
-  /// Ignored where a snapshot of this step or a later one is already there. Also flushes the measures.
+  /// Rows of a measure that wait to be written.
+  struct Rows {
+    std::size_t measure;
+    std::vector<double> times, values;
+  };
+  /// What goes into the file with one snapshot, measures up to it too.
+  struct Snapshot {
+    SnapshotStamp stamp;
+    std::vector<Rows> measures;
+  };
+  /// None where a snapshot of this step or a later one is already there. It must be written.
+  std::optional<Snapshot> begin_snapshot(SnapshotStamp stamp);
+  /// Perhaps by another thread.
+  void write(const Snapshot& snapshot, const BodyList& bodies);
+  /// Both.
   void add_snapshot(const SnapshotStamp& stamp, const BodyList& bodies);
+  /// Rows of measures go to the file by this thread from now on.
+  void write_beside(OutputThread& thread) { beside_ = &thread; }
   /// Number of a measure for add_measure; one that the file already holds is continued.
   /// kind: as in the scene.
   std::size_t define_measure(const std::string& name, const std::vector<std::string>& components,
@@ -72,20 +90,23 @@ class RunFile {
     std::vector<double> times, values;
   };
   void drop_after(std::uint64_t step, double time);
-  void append_measures(Hdf5File& file);
+  std::vector<Rows> take_measures();
+  void append_measures(const std::vector<Rows>& rows);
+  void append_measures(Hdf5File& file, const std::vector<Rows>& rows);
   void append_bodies(Hdf5File& file, const BodyList& bodies);
   void describe_late(Hdf5File& file, const BodyList& bodies);
   void write_orientations(Hdf5File& file, const std::string& group, const BodyList& bodies);
   void add_surface(Hdf5File& file, const BodyRecord& body);
   std::filesystem::path path_;
   ShapeOrigins origins_;
+  OutputThread* beside_ = nullptr;
   std::vector<Measure> measures_;
   std::size_t buffered_ = 0;                        ///< values of measures waiting
   std::map<std::uint32_t, std::int32_t> surfaces_;  ///< number in shapes/ by packed reference
   std::int32_t shape_groups_ = 0;                   ///< in shapes/, also of references that mean others now
   std::size_t snapshots_ = 0;
   std::vector<bool> described_;  ///< by body id with a row in bodies/: the row is that of a body that was there
-  std::int64_t last_step_ = -1;
+  std::int64_t last_step_ = -1;  ///< of the last snapshot that was begun
 };
 
 }  // namespace epafi

@@ -8,17 +8,35 @@
 namespace epafi {
 
 void StateRecorder::observe(const StepView& view) {
+  if (beside_ != nullptr) beside_->wait();  // the copy and the files are in use until then
   const World& world = view.world;
-  const BodyList bodies(world, surfaces_);
-  const auto snapshot = [&] {
-    if (run_ == nullptr) return;
-    run_->add_snapshot({view.step, world.time, state_hash(world), world.rotates(), world.has_orientation(), stage_},
-                       bodies);
+  Files::Snapshot snapshot;
+  if (files_->run != nullptr)
+    snapshot = files_->run->begin_snapshot(
+        {view.step, world.time, {}, world.rotates(), world.has_orientation(), files_->stage});
+  const bool draws = files_->frames != nullptr;
+  const std::vector<float> residuals = draws && residuals_ ? residuals_() : std::vector<float>();
+  const ContactList contacts = draws ? ContactList(world, view.pieces(), residuals) : ContactList();
+  const std::size_t bytes = world.size() * world.bytes_per_body() + contacts.size() * ContactSet().bytes_per_contact();
+  if (beside_ == nullptr || bytes > most_copied) return files_->write(world, contacts, std::move(snapshot));
+  if (!copy_) copy_ = std::make_shared<Copy>();
+  copy_->world.copy_shown(world);
+  contacts.copy(copy_->contacts, copy_->residuals);
+  beside_->add([files = files_, copy = copy_, snapshot = std::move(snapshot)] {
+    files->write(copy->world, ContactList(copy->world, copy->contacts, copy->residuals), snapshot);
+  });
+}
+
+void StateRecorder::Files::write(const World& world, const ContactList& contacts, Snapshot snapshot) {
+  const BodyList bodies(world, surfaces);
+  const auto save = [&] {
+    if (!snapshot) return;
+    snapshot->stamp.state_hash = state_hash(world);
+    run->write(*snapshot, bodies);
   };
-  if (frames_ == nullptr) return snapshot();
-  frames_->name_stage(stage_);
-  const std::vector<float> residuals = residuals_ ? residuals_() : std::vector<float>();
-  frames_->write(world.time, bodies, ContactList(world, view.pieces(), residuals), snapshot);
+  if (frames == nullptr) return save();
+  frames->name_stage(stage);
+  frames->write(world.time, bodies, contacts, save);
 }
 
 MeasureRecorder::MeasureRecorder(std::string name, std::unique_ptr<Measure> measure, MeasuresCsv* csv, RunFile* run,

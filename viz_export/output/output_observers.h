@@ -10,6 +10,7 @@
 #include "viz_export/hdf5/run_file.h"
 #include "viz_export/measures/measure.h"
 #include "viz_export/measures/measures_csv.h"
+#include "viz_export/output/output_thread.h"
 #include "viz_export/report/summary.h"
 #include "viz_export/vtk/frame_writer.h"
 
@@ -18,28 +19,42 @@ namespace epafi {
 /// Snapshots into run.h5 and frames for ParaView, as `due` says and at the end. Either may be null.
 class StateRecorder final : public Observer {
  public:
+  /// Bytes above which no copy is made and the step waits for the files: a bed of 150 000 spheres.
+  static constexpr std::size_t most_copied = std::size_t{64} << 20;
+
   /// residuals(): of the contacts of the last step, or none. stage: its name, beside each snapshot and frame.
   StateRecorder(RunFile* run, FrameWriter* frames, const ShapeStore& shapes, EverySteps due,
                 std::function<std::vector<float>()> residuals = {}, std::string stage = {})
-      : run_(run),
-        frames_(frames),
-        surfaces_(shapes),
+      : files_(std::make_shared<Files>(Files{run, frames, SurfaceCache(shapes), std::move(stage)})),
         due_(due),
-        residuals_(std::move(residuals)),
-        stage_(std::move(stage)) {}
+        residuals_(std::move(residuals)) {}
+  /// By this thread from now on, from a copy of what is shown, while the run goes on.
+  void write_beside(OutputThread& thread) { beside_ = &thread; }
   bool is_due(std::uint64_t step) const override { return due_.is_due(step); }
   ContactView wants_contacts(std::uint64_t step, bool last) const override {
-    return frames_ != nullptr && (last || is_due(step)) ? ContactView::pieces : ContactView::none;
+    return files_->frames != nullptr && (last || is_due(step)) ? ContactView::pieces : ContactView::none;
   }
   void observe(const StepView& view) override;
 
  private:
-  RunFile* run_;
-  FrameWriter* frames_;
-  SurfaceCache surfaces_;
+  struct Files {
+    RunFile* run;
+    FrameWriter* frames;
+    SurfaceCache surfaces;
+    std::string stage;
+    using Snapshot = std::optional<RunFile::Snapshot>;
+    void write(const World& world, const ContactList& contacts, Snapshot snapshot);
+  };
+  struct Copy {
+    World world;
+    ContactSet contacts;
+    std::vector<float> residuals;
+  };
+  std::shared_ptr<Files> files_;
   EverySteps due_;
   std::function<std::vector<float>()> residuals_;
-  std::string stage_;
+  OutputThread* beside_ = nullptr;
+  std::shared_ptr<Copy> copy_;  ///< its room is kept from frame to frame; null before the first
 };
 
 /// Samples one measure into measures.csv, run.h5 and the summary. Either file may be null.

@@ -36,6 +36,32 @@ ContactList::ContactList(const World& world, const ContactPieces& contacts, std:
   if (pieces_.empty()) begins_.push_back(0);
 }
 
+ContactList::ContactList(const World& world, const ContactSet& contacts, std::span<const float> residual)
+    : world_(&world), contacts_(ContactPieces(world, contacts)), residual_(residual), all_act_(true), begins_{0} {
+  for (std::size_t piece = 0; piece < contacts_->size(); ++piece) {
+    pieces_.push_back(piece);
+    begins_.push_back(std::min(contacts.size(), (piece + 1) * sum_block));
+  }
+  if (pieces_.empty()) begins_.push_back(0);
+}
+
+void ContactList::copy(ContactSet& contacts, std::vector<float>& residual) const {
+  contacts.renew(size());
+  bool has_residual = false;
+  if (!residual_.empty()) read(0, [&](const ContactRows& rows) { has_residual = rows.has_residual(); });
+  residual.resize(has_residual ? size() : 0);
+  parallel_for(
+      pieces_.size(),
+      [&](std::size_t piece) { read(piece, [&](const ContactRows& rows) { rows.copy(contacts, residual); }); }, 16);
+}
+
+void ContactRows::copy(ContactSet& contacts, std::vector<float>& residual) const {
+  for (std::size_t row = begin(); row < end(); ++row) {
+    contacts.put(row, *contacts_, at(row));
+    if (has_residual()) residual[row] = this->residual(row);
+  }
+}
+
 Vec3 ContactRows::from(std::size_t row) const {
   const std::size_t i = at(row);
   const Slot a = contacts_->a[i];

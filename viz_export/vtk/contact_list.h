@@ -36,6 +36,9 @@ class ContactRows {
   /// What this contact adds to the square of the solver's residual is the square of this.
   float residual(std::size_t row) const { return residual_[at(row)]; }
 
+  /// To the same rows of `contacts`, and of `residual` where there is one.
+  void copy(ContactSet& contacts, std::vector<float>& residual) const;
+
  private:
   std::size_t at(std::size_t row) const { return acting_[row - first_]; }
   const World* world_ = nullptr;
@@ -52,6 +55,10 @@ class ContactList {
   ContactList() = default;
   /// residual: of each contact that the model has not found itself, of which there are then none; or empty.
   ContactList(const World& world, const ContactPieces& contacts, std::span<const float> residual = {});
+  /// All of `contacts`, which the caller keeps alive, as copy() has filled them.
+  ContactList(const World& world, const ContactSet& contacts, std::span<const float> residual);
+  /// What this list shows, apart from what the model finds in the next step. residual: beside the contacts.
+  void copy(ContactSet& contacts, std::vector<float>& residual) const;
   std::size_t size() const { return begins_.back(); }
   /// The row at which each piece begins, and one behind the last: a piece at least, which may be empty.
   const std::vector<std::size_t>& begins() const { return begins_; }
@@ -60,7 +67,7 @@ class ContactList {
   void read(std::size_t piece, const F& f) const {
     if (size() == 0) return f(ContactRows{});
     contacts_->read(pieces_[piece], [&](const ContactSet& c, std::size_t begin, std::size_t end) {
-      f(ContactRows(*world_, c, begins_[piece], acting(c, begin, end, contacts_->is_own(pieces_[piece])),
+      f(ContactRows(*world_, c, begins_[piece], acting(c, begin, end, all_act_ || contacts_->is_own(pieces_[piece])),
                     residual_.size() == c.size() ? residual_ : std::span<const float>{}));
     });
   }
@@ -71,6 +78,7 @@ class ContactList {
   const World* world_ = nullptr;
   std::optional<ContactPieces> contacts_;
   std::span<const float> residual_;
+  bool all_act_ = false;
   std::vector<std::size_t> pieces_;  ///< that have rows
   std::vector<std::size_t> begins_{0, 0};
 };

@@ -152,12 +152,7 @@ class FusedModel final : public FusedSpheres {
   void append_contacts(const World& world, std::size_t part, ContactSet& contacts) const override {
     const SphereContacts all(world, blocks_);
     const SphereContacts::LoadOf load = loads(world);
-    std::vector<SphereContact> sorted;
-    all.each(static_cast<std::uint32_t>(part), [&](const SphereContact& c) { sorted.push_back(c); });
-    std::ranges::sort(sorted, {}, [&](const SphereContact& c) {
-      return std::tuple(all.first_place(c), all.second_place(c), all.second(c), all.image(c));
-    });
-    for (const SphereContact& c : sorted) {
+    for (const SphereContact& c : all.sorted(static_cast<std::uint32_t>(part))) {
       const NamedContact n = all.named(c, load);
       contacts.append(n.a, n.b, n.point);
       contacts.force.push_back(n.on_a.force);
