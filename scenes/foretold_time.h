@@ -43,7 +43,7 @@ namespace foretold {
 
 // seconds by one thread of the machine of the prices; pile/polyhedra, bed/bed, stability/*, impact/*
 inline constexpr double start_of_run = 0.02;      // folder, run.h5, first and last state
-inline constexpr double output_itself = 1.5e-3;   // frame, snapshot, list of frames
+inline constexpr double output_itself = 2e-3;     // frame, snapshot, list of frames
 inline constexpr double output_body = 0.5e-6;     // a body in them
 inline constexpr double output_point = 1.2e-6;    // and a point of its surface: shapes differ by a factor of 60
 inline constexpr double smooth_sphere = 0.06e-6;  // in a packing, a step

@@ -73,3 +73,25 @@ TEST_CASE("the balance of balls on a shaken floor closes, with the square of the
   CHECK(mean_of("hertz", 0.05, 0.006) < 0.3 * hertz);
   CHECK(mean_of("linear", 0.05, 0.05) < 0.6 * linear);
 }
+
+TEST_CASE("it does under a servo plate too, which feels the forces on the floor", "[physics][driven]") {
+  const std::string plate = R"([[body]]
+name = "plate"
+shape = { half_space = { normal = [0, 0, -1] } }
+position = [0, 0, 0.0201]
+material = "m"
+motion = { servo = { force = 0.2, direction = [0, 0, -1], mass = 0.01, max_speed = 0.2 } }
+)";
+  double sum = 0.0, half = 0.0;
+  for (std::uint32_t draw = 0; draw < 6; ++draw) {
+    Random random(18, draw);
+    Shaken s{random.uniform(200.0, 600.0), random.uniform(2e-6, 8e-6), random.uniform(0.1, 0.6), 0.05, "hertz"};
+    INFO("draw " << draw << ": " << s.frequency << " Hz, " << s.amplitude << " m, e " << s.e);
+    const double open = std::abs(open_share(s, plate));
+    CHECK(open < 0.006);
+    s.step *= 0.5;
+    sum += open;
+    half += std::abs(open_share(s, plate));
+  }
+  CHECK(half < 0.4 * sum);
+}

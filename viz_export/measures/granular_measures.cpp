@@ -199,15 +199,21 @@ void ReposeMeasure::sample(const StepView& view, std::vector<double>& values) {
     highest = std::max(highest, ring.highest);
     if (ring.fields > 0.0) height = std::max(height, ring.height);
   }
+  // full weight from 0.4 to 0.8, none at 0.2 and 1: a ring at a sharp limit would come in or not by chance
+  const auto weight = [&](const Ring& ring) {
+    const double share = ring.height / height;
+    return ring.fields * std::clamp((1.0 - share) / 0.2, 0.0, 1.0) * std::clamp((share - 0.2) / 0.2, 0.0, 1.0);
+  };
   double lines = 0, n = 0, sx = 0, sz = 0, sxx = 0, sxz = 0;
   for (const Ring& ring : rings) {
-    if (!(ring.fields > 0.0 && ring.height >= 0.3 * height && ring.height <= 0.9 * height)) continue;
+    const double w = ring.fields > 0.0 ? weight(ring) : 0.0;
+    if (!(w > 0.0)) continue;
     lines += 1;
-    n += ring.fields;
-    sx += ring.fields * ring.at;
-    sz += ring.fields * ring.height;
-    sxx += ring.fields * ring.at * ring.at;
-    sxz += ring.fields * ring.at * ring.height;
+    n += w;
+    sx += w * ring.at;
+    sz += w * ring.height;
+    sxx += w * ring.at * ring.at;
+    sxz += w * ring.at * ring.height;
   }
   const double slope = lines >= 2 ? (n * sxz - sx * sz) / (n * sxx - sx * sx) : nan;
   values = {std::atan(-slope) * 57.29577951308232, highest, far};

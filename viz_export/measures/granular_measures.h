@@ -43,9 +43,9 @@ class ForceChains final : public Measure {
 /// rolled off. The heap is cut into `bins` equal rings about `centre` (axis = "z": a cone; "x", "y": layers on both
 /// sides of a ridge; without `bins` one mean diameter wide), and rings into fields one mean diameter long. The mean of
 /// the highest tops of its fields is a ring's height: of the highest top alone chance would decide. A line is fitted to
-/// the rings between 0.3 and 0.9 of the greatest of these heights, each with the weight of its fields (sketch in
-/// docs/granular.md). angle [degrees], height [m] of the highest top above `centre`; NaN without bodies. Gravity points
-/// down z.
+/// the rings with the weight of their fields; those below 0.4 and above 0.8 of the greatest height count less, at 0.2
+/// and 1 no more (sketch in docs/granular.md). angle [degrees], height [m] of the highest top above `centre`; NaN
+/// without bodies. Gravity points down z.
 class ReposeMeasure final : public Measure {
  public:
   explicit ReposeMeasure(MeasureSetup setup);
