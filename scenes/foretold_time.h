@@ -18,6 +18,7 @@ struct RunCounts {
   double bodies = 0.0;     ///< free ones, those that come later too
   double polyhedra = 0.0;  ///< of them: boxes, polyhedra, solids
   double outputs = 0.0;    ///< frames and snapshots
+  double points = 0.0;     ///< of the surfaces that a frame draws, of all bodies
   double sweeps = 0.0;     ///< of a non-smooth solver in a step of a packing; 0: smooth
   double loose = 0.0;      ///< share of the contacts of a packing that are still to come, in [0, 1]
   double falling = 0.0;    ///< share of the run until they have come, in [0, 1]
@@ -41,11 +42,11 @@ struct ForetoldTime {
 namespace foretold {
 
 // seconds by one thread of the machine of the prices; pile/polyhedra, bed/bed, stability/*, impact/*
-inline constexpr double start_of_run = 0.02;        // folder, run.h5, first and last state
-inline constexpr double output_itself = 1e-3;       // frame, snapshot, list of frames
-inline constexpr double output_sphere = 1.5e-6;     // a body in them
-inline constexpr double output_polyhedron = 25e-6;  // with its surface
-inline constexpr double smooth_sphere = 0.06e-6;    // in a packing, a step
+inline constexpr double start_of_run = 0.02;      // folder, run.h5, first and last state
+inline constexpr double output_itself = 2e-3;     // frame, snapshot, list of frames
+inline constexpr double output_body = 0.5e-6;     // a body in them
+inline constexpr double output_point = 1.2e-6;    // and a point of its surface: shapes differ by a factor of 60
+inline constexpr double smooth_sphere = 0.06e-6;  // in a packing, a step
 inline constexpr double smooth_polyhedron = 6e-6;
 inline constexpr double nonsmooth_sphere = 0.5e-6;
 inline constexpr double nonsmooth_polyhedron = 5e-6;
@@ -93,8 +94,7 @@ inline ForetoldTime foretell_time(const RunCounts& run, const FirstSteps& first,
   ForetoldTime out;
   out.start = first.start + foretold::start_of_run / speed;
   out.output = run.outputs *
-               (foretold::output_itself + foretold::output_sphere * (run.bodies - run.polyhedra) +
-                foretold::output_polyhedron * run.polyhedra) /
+               (foretold::output_itself + foretold::output_body * run.bodies + foretold::output_point * run.points) /
                speed;
   const double rest = std::max(0.0, run.steps - first.made), present = std::clamp(first.present, 1e-3, 1.0);
   const double packed = run.loose * foretold::packed_step(run) / speed;

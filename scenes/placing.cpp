@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "detection/broad/all_broad_phases.h"
+#include "engine/step/drive_lead.h"
 #include "engine/step/servo_event.h"
 #include "laws/nonsmooth/nonsmooth_contact.h"
 #include "scenes/generators.h"
@@ -39,6 +40,11 @@ Body make_body(const Assembly& a, const BuiltShape& shape, const BodySpec& spec,
   return body;
 }
 
+/// A motion whose velocity changes all the time.
+bool accelerates(const Motion& m) {
+  return m.table != nullptr || (m.oscillation_amplitude != 0.0 && m.oscillation_frequency != 0.0);
+}
+
 /// position: of the body's centre [m]
 void drive(Assembly& a, BodyId id, const BodySpec& spec, const Vec3& position) {
   auto& events = a.simulation->events;
@@ -46,6 +52,10 @@ void drive(Assembly& a, BodyId id, const BodySpec& spec, const Vec3& position) {
     a.drives.push_back({id, spec.motion->since});
     events.push_back(
         std::make_unique<DriveBody>(id, spec.motion->parts, position, a.elapsed(spec.motion->since), !spec.servo));
+    const bool predicts = a.simulation->pipeline.scheme->velocity_lag() > 0.0;
+    if (a.scene.contact.method.value == Method::smooth && predicts &&
+        std::ranges::any_of(spec.motion->parts, accelerates))
+      events.push_back(std::make_unique<DriveLead>(id, a.simulation->ledger));
   }
   if (!spec.servo) return;
   const double elapsed = a.elapsed(spec.servo->since);

@@ -125,11 +125,13 @@ bool Simulation::nobody_looks() const {
   return std::none_of(observers.begin(), observers.end(), [this](const auto& o) { return o->wants_bodies(steps_); });
 }
 
-/// The domain as this step sees it: none between two looks for bodies to be taken out, whoever looks meanwhile.
+/// The domain as this step sees it: none between two looks for bodies to be taken out, whoever looks meanwhile. Those
+/// that stand outside from the start are seen in the first step.
 const std::optional<Domain>& Simulation::watched() const {
   static const std::optional<Domain> none;
-  return domain && domain->outside == Domain::Outside::remove && (steps_ + before_) % outlet_interval() != 0 ? none
-                                                                                                             : domain;
+  const std::uint64_t step = steps_ + before_;
+  const bool looks = step <= 1 || step % outlet_interval() == 0;
+  return domain && domain->outside == Domain::Outside::remove && !looks ? none : domain;
 }
 
 /// Whatever changes the bodies between two steps.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "engine/state/state_snapshot.h"
 #include "engine/threads/parallel.h"
@@ -12,6 +13,7 @@
 #include "scenes/peak_memory.h"
 #include "scenes/processor_time.h"
 #include "scenes/progress.h"
+#include "viz_export/vtk/surface.h"
 
 namespace epafi {
 
@@ -159,6 +161,22 @@ RunCounts counts_of(const Assembly& a, double bodies, bool polyhedra) {
   return run;
 }
 
+/// Of the surfaces that a frame draws: of all that are there and all that come.
+double drawn_points(const Assembly& a) {
+  std::map<std::uint32_t, double> known;
+  const auto points = [&](std::uint32_t shape) {
+    const auto [at, fresh] = known.try_emplace(shape, 0.0);
+    if (fresh) at->second = static_cast<double>(surface_of(*a.shapes, ShapeRef{shape}, 1.0).points.size());
+    return at->second;
+  };
+  double sum = 0.0;
+  for (const std::uint32_t shape : a.simulation->world.shape) sum += points(shape);
+  for (const auto* source : a.sources)
+    for (std::size_t k = source->poured(); k < source->setup().bodies.size(); ++k)
+      sum += points(source->setup().bodies[k].body.shape);
+  return sum;
+}
+
 /// Of a later stage: its steps cost what those of the first do once its bodies lie on each other.
 ForetoldTime foretell_stage(RunCounts run, const FirstSteps& first, const StageCheck& stage, double speed) {
   run.steps = stage.steps;
@@ -210,9 +228,7 @@ std::string check_text(Assembly& a, const std::vector<StageCheck>& stages) {
     out += fmt::format("  its limit     {:.4g} s{}\n", a.time_step.limit,
                        a.time_step.limit_reason.empty() ? "" : ": " + a.time_step.limit_reason);
   out += fmt::format("  steps         {}\n", a.steps);
-  const auto all = static_cast<double>(free + later);
-  first.present = static_cast<double>(free) / std::max(1.0, all);
-  RunCounts run = counts_of(a, all, polyhedra);
+  RunCounts run = counts_of(a, static_cast<double>(free + later), polyhedra);
   std::optional<Failure> failure;
   with_team(
       [&] { failure = time_steps(sim, a.steps, first); });  // as runs have it: threads do not go between two steps
@@ -220,7 +236,12 @@ std::string check_text(Assembly& a, const std::vector<StageCheck>& stages) {
   out += fmt::format("  memory        about {:.0f} MB ({} B per body, {} B per contact)\n",
                      1e-6 * predicted_memory(a, free + later, later, polyhedra), a.plan.memory.body,
                      a.plan.memory.contact);
-  run.loose = share_to_come(sim, all);
+  const double gone = static_cast<double>(sim.bodies_removed());
+  run.bodies = std::max(1.0, run.bodies - gone);
+  run.polyhedra = std::min(run.polyhedra, run.bodies);
+  run.points = drawn_points(a);
+  run.loose = share_to_come(sim, run.bodies);
+  first.present = (static_cast<double>(free) - gone) / run.bodies;
   const double speed = machine_speed();
   ForetoldTime time = foretell_time(run, first, speed);
   for (const StageCheck& stage : stages) {

@@ -1,6 +1,7 @@
 // Hysteresis loop, force chains, angle of repose, mixing and wall forces of arrangements whose answers are known.
 #include <cmath>
 
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 
@@ -157,6 +158,46 @@ kind = "angle_of_repose"
       CHECK(heap(degrees, strays).first == Approx(degrees).epsilon(1e-5));
       CHECK(heap(degrees, strays).second == Approx(1.0));
     }
+  }
+}
+
+namespace {
+/// Columns of balls on a square lattice of pitch 1 under a cone, each begun at a random height, and balls that chance
+/// has left on the slope.
+std::string heap_of_columns(Random& random, double slope, double foot, int left_over) {
+  std::string bodies;
+  const auto ball = [&](double x, double y, double z) {
+    bodies += "[[body]]\nshape = \"grain\"\nmaterial = \"m\"\nposition = [" + std::to_string(x) + ", " +
+              std::to_string(y) + ", " + std::to_string(z) + "]\n";
+  };
+  const int wide = static_cast<int>(foot);
+  for (int i = -wide; i <= wide; ++i)
+    for (int j = -wide; j <= wide; ++j) {
+      const double surface = (foot - std::hypot(i, j)) * slope;
+      for (double top = surface - random.uniform(0.0, 1.0); top >= 1.0; top -= 1.0) ball(i, j, top - 0.5);
+    }
+  for (int k = 0; k < left_over; ++k) {
+    const double away = random.uniform(0.1, 0.9) * foot, turn = random.uniform(-3.14, 3.14);
+    ball(away * std::cos(turn), away * std::sin(turn), (foot - away) * slope + 1.0);
+  }
+  return bodies;
+}
+}  // namespace
+
+TEST_CASE("the slope of a random heap is that of its surface, whatever lies on it by chance", "[physics][measures]") {
+  for (std::uint32_t draw = 0; draw < 12; ++draw) {
+    Random random(91, draw);
+    const double degrees = random.uniform(28.0, 42.0), foot = random.uniform(12.0, 15.0);
+    const double slope = std::tan(degrees * 3.14159265358979 / 180);
+    auto run = start_text(
+        "title = \"h\"\nrun = { duration = 1e-6, time_step = 1e-6 }\n"
+        "material.m = { density = 2500.0, youngs_modulus = \"1 MPa\", poissons_ratio = 0.25 }\n"
+        "contact = { method = \"smooth\", restitution = 0.5, friction = 0.0 }\n"
+        "shape.grain = { sphere = { radius = 0.5 } }\n" +
+        heap_of_columns(random, slope, foot, 4) + "[[measure]]\nname = \"heap\"\nkind = \"angle_of_repose\"\n");
+    run.advance_to(0);
+    INFO("draw " << draw << " at " << degrees << " degrees");
+    CHECK(run.last("heap", "angle") == Approx(degrees).margin(2.0));
   }
 }
 

@@ -124,6 +124,32 @@ sphere = { radius = 0.001 }
   CHECK(megabytes(many.substr(many.find("memory"))) > megabytes(one.substr(one.find("memory"))) + 20.0);
 }
 
+TEST_CASE("output is foretold by the points that its frames draw, of the bodies that stay", "[scenes][foretold]") {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "outputs.toml";
+  const auto output = [&](const std::string& shape, int count, const std::string& domain = "") {
+    std::ofstream(file)
+        << "run = { duration = 1e-3, time_step = 1e-5, output_interval = 1e-5 }\nworld = { gravity = [0, 0, -9.81]" +
+               domain + " }\nmaterial.m = { density = 2500, youngs_modulus = \"1 MPa\", poissons_ratio = 0.3 }\n" +
+               "contact = { method = \"smooth\", restitution = 0.5, friction = 0 }\nshape.s = { " + shape +
+               " }\n[[fill]]\nshape = \"s\"\nmaterial = \"m\"\ncount = " + std::to_string(count) +
+               "\nregion = { box = { min = [0, 0, 0], max = [1, 1, 1] } }\n";
+    const std::string text = captured([&] { return command_check({file.string(), {}}); }).out;
+    const std::size_t end = text.find(" s of output"), begin = text.rfind(' ', end - 1);
+    REQUIRE(end != std::string::npos);
+    return std::stod(text.substr(begin));
+  };
+  const double spheres = output("sphere = { radius = 0.01 }", 400),
+               boxes = output("box = { size = [0.02, 0.02, 0.02] }", 400);
+  const double clumps = output("clump = { spheres = [[-0.01, 0, 0, 0.01], [0.01, 0, 0, 0.01]] }", 400);
+  CHECK(boxes > 1.5 * spheres);
+  CHECK(clumps > 5.0 * boxes);  // 124 points for 8
+  CHECK(output("clump = { spheres = [[-0.01, 0, 0, 0.01], [0.01, 0, 0, 0.01]] }", 100) < 0.5 * clumps);
+  const double most_leave = output("clump = { spheres = [[-0.01, 0, 0, 0.01], [0.01, 0, 0, 0.01]] }", 400,
+                                   ", domain = { min = [0, 0, 0], max = [0.1, 1, 1], outside = \"delete\" }");
+  CHECK(most_leave < 0.4 * clumps);
+}
+
 TEST_CASE("a run whose steps were all made takes what they took, its start and its output", "[scenes][foretold]") {
   const FirstSteps first{.start = 0.5, .seconds = 2.0, .made = 100, .present = 1.0, .later = 0.1};
   RunCounts run{.steps = 100, .bodies = 10, .loose = 1.0};

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -143,49 +144,79 @@ double ReposeMeasure::reach(const World& w) const {
   return nan;
 }
 
-/// As `bins` says, else rings of one mean diameter.
-std::size_t ReposeMeasure::rings(const World& w, double reach) const {
-  if (bins_ > 0) return static_cast<std::size_t>(bins_);
+double ReposeMeasure::mean_diameter(const World& w) const {
   double diameters = 0.0, bodies = 0.0;
   for (Slot s = 0; s < w.size(); ++s)
     if (w.is_movable(s)) {
       bodies += 1.0;
       diameters += 2.0 * shapes_->bounding_radius({w.shape[s]});
     }
-  constexpr double most = 1e5;
-  return static_cast<std::size_t>(std::clamp(std::ceil(reach * bodies / diameters), 1.0, most));
+  return diameters / bodies;
 }
 
-void ReposeMeasure::sample(const StepView& view, std::vector<double>& values) {
-  struct Top {
-    double at = 0, height = -infinity;
-  };
-  const World& w = view.world;
-  const double far = reach(w);
-  if (!(far > 0.0)) return void(values = {nan, nan, far});
-  std::vector<Top> tops(rings(w, far));  // the line goes through the tops themselves
-  double height = -infinity;
+/// Number of the field along its ring; the layers of a ridge, whose ends slope too, are one field each.
+long ReposeMeasure::field(const Vec3& x, double ring_middle, double width) const {
+  if (axis_ != "z") return 0;
+  constexpr double most = 1e9;
+  const Vec3 d = x - centre_;
+  const double fields = std::clamp(std::round(2.0 * std::numbers::pi * ring_middle / width), 1.0, most);
+  const double turn = std::atan2(d.y(), d.x()) / (2.0 * std::numbers::pi) + 0.5;
+  return std::lround(std::floor(turn * fields));
+}
+
+std::vector<ReposeMeasure::Ring> ReposeMeasure::surface(const World& w, double far) const {
+  constexpr double most = 1e5;
+  const double width = mean_diameter(w);
+  const double rings = bins_ > 0 ? bins_ : std::clamp(std::ceil(far / width), 1.0, most);
+  std::map<std::pair<std::size_t, long>, Top> tops;
   for (Slot s = 0; s < w.size(); ++s) {
     if (!w.is_movable(s)) continue;
     const double d = distance(w.position[s]);
-    const double z = w.position[s].z() + shapes_->bounding_radius({w.shape[s]}) - centre_.z();
     if (!(d <= far)) continue;
-    height = std::max(height, z);
-    const auto ring = static_cast<std::size_t>(d / far * static_cast<double>(tops.size()));
-    Top& top = tops[std::min(tops.size() - 1, ring)];
+    const double z = w.position[s].z() + shapes_->bounding_radius({w.shape[s]}) - centre_.z();
+    const double ring = std::min(rings - 1.0, std::floor(d / far * rings));
+    const long place = field(w.position[s], (ring + 0.5) * far / rings, width);
+    Top& top = tops.try_emplace({static_cast<std::size_t>(ring), place}).first->second;
     if (z > top.height) top = {d, z};
   }
-  double n = 0, sx = 0, sz = 0, sxx = 0, sxz = 0;
-  for (const Top& top : tops) {
-    if (!(top.height >= 0.3 * height && top.height <= 0.9 * height)) continue;
-    n += 1;
-    sx += top.at;
-    sz += top.height;
-    sxx += top.at * top.at;
-    sxz += top.at * top.height;
+  std::vector<Ring> out(static_cast<std::size_t>(rings));
+  for (const auto& [place, top] : tops) {
+    Ring& ring = out[place.first];
+    ring.fields += 1.0;
+    ring.at += (top.at - ring.at) / ring.fields;
+    ring.height += (top.height - ring.height) / ring.fields;
+    ring.highest = std::max(ring.highest, top.height);
   }
-  const double slope = n >= 2 ? (n * sxz - sx * sz) / (n * sxx - sx * sx) : nan;
-  values = {std::atan(-slope) * 57.29577951308232, height, far};
+  return out;
+}
+
+void ReposeMeasure::sample(const StepView& view, std::vector<double>& values) {
+  const double far = reach(view.world);
+  if (!(far > 0.0)) return void(values = {nan, nan, far});
+  const std::vector<Ring> rings = surface(view.world, far);
+  double highest = -infinity, height = -infinity;
+  for (const Ring& ring : rings) {
+    highest = std::max(highest, ring.highest);
+    if (ring.fields > 0.0) height = std::max(height, ring.height);
+  }
+  // full weight from 0.4 to 0.8, none at 0.2 and 1: a ring at a sharp limit would come in or not by chance
+  const auto weight = [&](const Ring& ring) {
+    const double share = ring.height / height;
+    return ring.fields * std::clamp((1.0 - share) / 0.2, 0.0, 1.0) * std::clamp((share - 0.2) / 0.2, 0.0, 1.0);
+  };
+  double lines = 0, n = 0, sx = 0, sz = 0, sxx = 0, sxz = 0;
+  for (const Ring& ring : rings) {
+    const double w = ring.fields > 0.0 ? weight(ring) : 0.0;
+    if (!(w > 0.0)) continue;
+    lines += 1;
+    n += w;
+    sx += w * ring.at;
+    sz += w * ring.height;
+    sxx += w * ring.at * ring.at;
+    sxz += w * ring.at * ring.height;
+  }
+  const double slope = lines >= 2 ? (n * sxz - sx * sz) / (n * sxx - sx * sx) : nan;
+  values = {std::atan(-slope) * 57.29577951308232, highest, far};
 }
 
 void MixingMeasure::sample(const StepView& view, std::vector<double>& values) {

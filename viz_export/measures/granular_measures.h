@@ -1,5 +1,9 @@
 /// @file granular_measures.h  What granular users look at: one contact's loop, force chains, heaps, mixing, outlets.
 #pragma once
+#include <limits>
+#include <utility>
+#include <vector>
+
 #include "viz_export/measures/measure.h"
 
 namespace epafi {
@@ -36,10 +40,12 @@ class ForceChains final : public Measure {
 };
 
 /// Slope of a heap. reach [m]: the distance from the axis within which 97 % of the mass lie; what lies farther out has
-/// rolled off. In each of `bins` equal rings about `centre` (axis = "z": a cone; "x", "y": layers on both sides of a
-/// ridge; without `bins` one mean diameter wide) the highest top is a point of the surface; a line is fitted to those
-/// between 0.3 and 0.9 of the greatest height (sketch in docs/granular.md). angle [degrees], height [m] of the highest
-/// top above `centre`; NaN without bodies. Gravity points down z.
+/// rolled off. The heap is cut into `bins` equal rings about `centre` (axis = "z": a cone; "x", "y": layers on both
+/// sides of a ridge; without `bins` one mean diameter wide), and rings into fields one mean diameter long. The mean of
+/// the highest tops of its fields is a ring's height: of the highest top alone chance would decide. A line is fitted to
+/// the rings with the weight of their fields; those below 0.4 and above 0.8 of the greatest height count less, at 0.2
+/// and 1 no more (sketch in docs/granular.md). angle [degrees], height [m] of the highest top above `centre`; NaN
+/// without bodies. Gravity points down z.
 class ReposeMeasure final : public Measure {
  public:
   explicit ReposeMeasure(MeasureSetup setup);
@@ -47,9 +53,18 @@ class ReposeMeasure final : public Measure {
   void sample(const StepView& view, std::vector<double>& values) override;
 
  private:
+  struct Top {
+    double at = 0, height = -std::numeric_limits<double>::infinity();
+  };
+  struct Ring {
+    double fields = 0, at = 0, height = 0;  ///< how many with bodies; means of their highest tops [m]
+    double highest = -std::numeric_limits<double>::infinity();
+  };
   double distance(const Vec3& x) const;
   double reach(const World& world) const;
-  std::size_t rings(const World& world, double reach) const;
+  double mean_diameter(const World& world) const;
+  long field(const Vec3& x, double ring_middle, double width) const;
+  std::vector<Ring> surface(const World& world, double far) const;
   Vec3 centre_;
   std::string axis_;
   int bins_;  ///< 0: by the bodies
