@@ -7,6 +7,7 @@
 #include "detection/narrow/pairs/sphere_pairs.h"
 #include "detection/shapes/half_space.h"
 #include "tests/support/catch.h"
+#include "tests/support/pair_contacts.h"
 #include "tests/support/polyhedra.h"
 #include "tests/support/random_geometry.h"
 
@@ -262,4 +263,58 @@ TEST_CASE("a slab thinner than the reach touches a plane at its lower corners", 
     }
     CHECK(lower.size() == 4);
   }
+}
+
+namespace {
+
+/// Both sets of contacts hold the same gaps, normals and points, within the tolerance.
+void check_same(const ContactSet& found, const ContactSet& expected, double tolerance) {
+  REQUIRE(found.size() == expected.size());
+  for (std::size_t k = 0; k < expected.size(); ++k) {
+    double best = infinity;
+    for (std::size_t i = 0; i < found.size(); ++i)
+      best = std::min(best, std::abs(found.gap[i] - expected.gap[k]) + (found.normal[i] - expected.normal[k]).norm() +
+                                (found.arm[i] - expected.arm[k]).norm());
+    CHECK(best < tolerance);
+  }
+}
+
+/// The body over the top of a slab and over the half-space in its place, in any frame, the slab as A and as B.
+template <class S>
+std::size_t check_on_slab(const S& body, const Quat& turn, double depth, double reach, Random& random) {
+  const Box slab(Vec3(3, 2, 1));
+  const Pose frame{10.0 * testing::random_point(random), testing::random_turn(random)};
+  const double low = (turn * body.support(turn.conjugate() * Vec3(0, 0, -1))).z() - body.rounding();
+  const Vec3 at(random.uniform(-1, 1), random.uniform(-1, 1), 1.0 - low - depth);
+  const Pose p{frame.to_world(at), frame.orientation * turn}, plane{frame.to_world(Vec3(0, 0, 1)), frame.orientation};
+  ContactSet expected;
+  ContactSink sink(expected);
+  sink.begin(0, 1);
+  collide_closed(body, HalfSpace{}, PairQuery{p, plane, reach}, sink);
+  sink.end();
+  check_same(support::contacts(body, p, slab, frame, reach), expected, 1e-8);
+  ContactSet turned = support::contacts(slab, frame, body, p, reach);
+  for (Vec3& n : turned.normal) n = -n;
+  for (Vec3& arm : turned.arm) arm += frame.position - p.position;
+  check_same(turned, expected, 1e-8);
+  return expected.size();
+}
+
+}  // namespace
+
+TEST_CASE("what is deep in a face of a slab touches it as the plane, with corners of all its own faces",
+          "[detection][manifold]") {
+  Random random(641, 9);
+  int several = 0;
+  for (int k = 0; k < 300; ++k) {
+    const Quat turn = testing::random_turn(random);
+    const double depth = 0.2 * std::pow(10.0, random.uniform(-3, -0.4)), reach = k % 2 == 0 ? 0.0 : 0.5 * depth;
+    const double size = random.uniform(0.05, 0.2);
+    const std::size_t count =
+        k % 4 < 2 ? check_on_slab(support::random_hull(random, 8 + random.bits() % 24, Vec3(0.2, 0.2, size)), turn,
+                                  depth, reach, random)
+                  : check_on_slab(Box(Vec3(size, 0.1, 0.15)), turn, depth, reach, random);
+    several += count > 1;
+  }
+  CHECK(several > 40);
 }

@@ -170,6 +170,47 @@ void single_point(const PolyhedronPair& pair, const PolyhedronDistance& d, doubl
   out.alone = true;
 }
 
+bool is_over(const Corners& face, double x, double y, double tolerance) {
+  for (std::size_t k = 0; k < face.size(); ++k) {
+    const Corner &p = face[k], &q = face[k + 1 < face.size() ? k + 1 : 0];
+    const double ex = q.x - p.x, ey = q.y - p.y;
+    if (ex * (y - p.y) - ey * (x - p.x) < -tolerance * std::sqrt(ex * ex + ey * ey)) return false;
+  }
+  return true;
+}
+
+bool looks_along(const PolyhedronView& p, std::uint32_t vertex, const Vec3& direction) {
+  for (std::uint32_t k = p.fan_begin[vertex]; k < p.fan_begin[vertex + 1]; ++k)
+    if (p.face_normals[p.fans[k]].dot(direction) > facing_cosine) return true;
+  return false;
+}
+
+/// Where a face of one body says the normal, the corners of the other that lie over it and are not of the clipped face:
+/// that alone would let go of one that is deep when another face comes to look along the normal.
+void add_other_corners(const PolyhedronPair& pair, const SeparatingAxis& axis, const FacingFaces& f, double reach,
+                       double sweep_a, double sweep_b, double tolerance, Buffers& buf) {
+  if (axis.kind != SeparatingAxis::Kind::face_a && axis.kind != SeparatingAxis::Kind::face_b) return;
+  const bool of_b = axis.kind == SeparatingAxis::Kind::face_a;
+  const PolyhedronView& body = of_b ? pair.b : pair.a;
+  const std::uint32_t own = of_b ? f.b : f.a;
+  const Vec3& n = axis.normal;
+  const Vec3 towards = of_b ? Vec3(-(pair.rotation.transpose() * n)) : n;  // the face, body's own axes
+  const double centre = of_b ? n.dot(pair.offset) - pair.a.face_offsets[f.a]
+                             : -pair.b.face_offsets[f.b] + n.dot(pair.offset);  // above the face
+  const ContactFrame frame = contact_frame(n);
+  const auto face_begin = body.face_vertices.begin() + body.face_begin[own];
+  const auto face_end = body.face_vertices.begin() + body.face_begin[own + 1];
+  for (std::uint32_t v = 0; v < body.vertices.size(); ++v) {
+    const double gap = centre - towards.dot(body.vertices[v]) - sweep_a - sweep_b;
+    if (!(gap < reach) || std::find(face_begin, face_end, v) != face_end || !looks_along(body, v, towards)) continue;
+    const Vec3 x = of_b ? pair.vertex_b(v) : body.vertices[v];
+    if (!is_over(of_b ? buf.a : buf.b, frame.tangent1.dot(x), frame.tangent2.dot(x), tolerance)) continue;
+    const double to_middle = of_b ? -sweep_b - 0.5 * gap : sweep_a + 0.5 * gap;
+    const Feature name = of_b ? make_feature(FeatureKind::vertex_b, 0, v) : make_feature(FeatureKind::vertex_a, v, 0);
+    buf.points.push_back({x + to_middle * n, gap, name});
+  }
+}
+
 /// Lowers all points alike until the deepest is at `gap`: were it the deepest alone, the moment would jump where with a
 /// small tilt another one is the deepest.
 void lower_to(double gap, Patch& out) {
@@ -255,6 +296,7 @@ Patch contact_patch(const PolyhedronPair& pair, const PolyhedronDistance& d, dou
       if (std::any_of(buf.points.begin(), buf.points.end(), same)) continue;  // corners within the snap distance
       buf.points.push_back({x + 0.5 * (on_a + sweep_a + on_b - sweep_b) * n, on_b - on_a - sweeps, name});
     }
+    add_other_corners(pair, d.axis, f, reach, sweep_a, sweep_b, tolerance, buf);
   }
   keep_four(buf.points, n, size, out);
   // The patch must hold the pair's deepest point; where it does not (tip, crossed edges), that point alone is the
