@@ -255,6 +255,7 @@ void Session::save_checkpoint_now() {
   if (files_->course) files_->course->flush();
   files_->run.flush();
   save_checkpoint(folder_ / "checkpoint.h5", header(), [this](StateVisitor& v) { walk(v); });
+  files_->last_good.save([this](StateVisitor& v) { walk(v); });  // a failure does not go back behind the checkpoint
 }
 
 double Session::elapsed() const {

@@ -128,12 +128,15 @@ namespace {
 
 bool is_at(double time, double wanted) { return std::abs(time - wanted) <= 1e-6 * std::max(1e-9, wanted) + 1e-12; }
 
-/// The snapshot of that time; why: the reason where the user did not choose it.
+/// The snapshot of that time, to a hundredth of the time between two: they stand at whole steps. why: the reason where
+/// the user did not choose it.
 std::size_t snapshot_at(const StoredRun& stored, double time, const std::string& why = "") {
   std::string times;
   for (std::size_t k = 0; k < stored.snapshots(); ++k) {
     const double t = stored.time(k);
-    if (is_at(t, time)) return k;
+    double between = k > 0 ? t - stored.time(k - 1) : infinity;
+    if (k + 1 < stored.snapshots()) between = std::min(between, stored.time(k + 1) - t);
+    if (is_at(t, time) || (between < infinity && std::abs(t - time) <= 0.01 * between)) return k;
     times += fmt::format("{}{:.6g}", times.empty() ? "" : ", ", t);
   }
   throw SceneError(fmt::format("{}the run has no snapshot of {:.6g} s; there are {} s", why, time, times));
@@ -202,6 +205,7 @@ void begin_drives(Assembly& a, const RunRecord& record, const StoredRun& stored)
 std::shared_ptr<MadeRun> open_made_run_at(const std::filesystem::path& folder, double time) {
   const StoredRun stored(folder / "run.h5");
   const StoredSnapshot snapshot = stored.snapshot(snapshot_at(stored, time));
+  time = snapshot.stamp.time;
   auto made = with_header(folder);
   cut_record(made->record, time);
   assemble_made(*made);

@@ -38,6 +38,7 @@ std::optional<double> parse_duration(const std::string& text) {
     char* end = nullptr;
     const double value = std::strtod(p, &end);
     if (end == p || !(value >= 0) || value > 1e12) return std::nullopt;
+    const bool first = p == text.c_str();
     p = end;
     if (*p == 'h') {
       total += 3600 * value;
@@ -48,10 +49,11 @@ std::optional<double> parse_duration(const std::string& text) {
     } else if (*p == 's') {
       total += value;
       ++p;
-    } else if (*p == '\0')
-      total += value;
-    else
+    } else if (*p == '\0' && first) {
+      total += value;  // seconds, unless other units stand before
+    } else {
       return std::nullopt;
+    }
   }
   return total;
 }

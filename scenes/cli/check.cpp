@@ -208,7 +208,9 @@ std::string check_text(Assembly& a, const std::vector<StageCheck>& stages) {
   std::vector<BodySpec>().swap(a.scene.bodies);  // as runs do
   std::size_t free = 0;
   for (Slot s = 0; s < w.size(); ++s) free += w.is_movable(s);
-  const std::size_t later = w.ids_given() - w.size();
+  std::size_t later = 0;
+  for (const PourBodies* source : a.sources)
+    for (const WaitingBody& body : source->setup().bodies) later += w.slot_of(body.id) == no_slot;
   std::string out = fmt::format("{}: fine\n  bodies        {} free, {} fixed or driven{}\n", a.scene.file, free,
                                 w.size() - free, later > 0 ? fmt::format(", {} poured in later", later) : "");
   (void)enter_simulation(a);

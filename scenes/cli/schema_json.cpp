@@ -132,7 +132,9 @@ struct Writer {
     Object properties;
     std::vector<std::string> needed;
     for (const auto& field : fields) {
-      const std::string type = type_of(field, name);
+      const bool or_table = name == "start" && field.name == "from";  // a table of the other keys
+      const std::string type =
+          or_table ? any_of(word(field), object({fields.begin() + 1, fields.end()}, "")) : type_of(field, name);
       if (field.kind == Kind::tables) {  // described by its own declaration
         properties.add(field.name, type);
         continue;

@@ -216,13 +216,13 @@ void read_file(Draft& draft, const Node& item) {
   std::string ending = std::filesystem::path(path).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  const std::vector<std::string> endings{".csv",  ".txt",       ".dat",      ".tsv",    ".xyz",
-                                         ".dump", ".lammpstrj", ".liggghts", ".polyset"};
+  const std::vector<std::string> endings{".csv",  ".txt",       ".dat",      ".tsv",     ".xyz",
+                                         ".dump", ".lammpstrj", ".liggghts", ".polyset", ".h5"};
   if (std::find(endings.begin(), endings.end(), ending) == endings.end())
     return reading.error(place,
                          label +
                              " file: expected a table (.csv, .txt, .dat, .tsv, .xyz), a dump of LAMMPS or LIGGGHTS "
-                             "(.dump, .lammpstrj, .liggghts) or .polyset, found '" +
+                             "(.dump, .lammpstrj, .liggghts), .polyset or .h5, found '" +
                              path + "'");
   std::error_code failure;
   if (!std::filesystem::is_regular_file(path, failure))
@@ -236,9 +236,14 @@ void read_file(Draft& draft, const Node& item) {
     if (!material) return reading.error(item.place, label + ": a .polyset needs a material");
     read_polyset(draft, {path, name, *material, fixed});
   } else {
-    RowFile table(reading, path, place, values.has("columns") ? values.texts("columns") : std::vector<std::string>{});
-    Rows rows{draft, label, table, shape, material, fixed, as_drawn};
-    read_rows(rows, path, place);
+    const auto columns = values.has("columns") ? values.texts("columns") : std::vector<std::string>{};
+    try {
+      RowFile table(reading, path, place, columns);
+      Rows rows{draft, label, table, shape, material, fixed, as_drawn};
+      read_rows(rows, path, place);
+    } catch (const FileError& trouble) {
+      reading.error(place, label + " file '" + path + "': " + trouble.what());
+    }
   }
   displace(draft.scene, first, values.number("jitter"));
   if (reading.errors() == errors) settle_imported(draft);

@@ -228,7 +228,7 @@ std::shared_ptr<const MotionTable> read_motion_table(Reading& reading, const Nod
   auto table = std::make_shared<const MotionTable>(std::move(*rows), kind, correction, v.number_or("repeats", 1.0));
   for (double t = table->begin(); t < table->end(); t += (table->end() - table->begin()) / 1000)
     fastest = std::max(fastest, table->velocity(t).norm());
-  if (const double last = table->last_velocity().norm(); last > 1e-3 * fastest)
+  if (const double last = table->last_velocity().norm(); last > std::max(1e-3 * fastest, 1e-12))
     reading.warning(node.place,
                     label + fmt::format(": the table ends at {:.3g} m/s, where the body stops; add rows, or "
                                         "take the drift out with baseline = \"linear\"",

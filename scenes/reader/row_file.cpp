@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <sstream>
 
 #include "engine/units/nearest.h"
 #include "engine/units/units.h"
 #include "scenes/reader/text_cells.h"
+#include "viz_export/output/bodies_table.h"
 
 namespace epafi {
 namespace {
@@ -86,7 +88,9 @@ RowFile::RowFile(Reading& reading, std::string path, Place place, std::vector<st
       path_(std::move(path)),
       place_(std::move(place)),
       wanted_(std::move(columns)),
-      in_(path_, std::ios::binary) {}
+      in_(path_.ends_with(".h5")
+              ? std::unique_ptr<std::istream>(std::make_unique<std::istringstream>(bodies_csv(path_)))
+              : std::make_unique<std::ifstream>(path_, std::ios::binary)) {}
 
 bool RowFile::error(const Place& at, const std::string& text) const {
   reading_.error(at, text);
@@ -97,7 +101,7 @@ bool RowFile::has_column(const std::string& name) const {
   return std::any_of(columns_.begin(), columns_.end(), [&](const Column& c) { return c.name == name; });
 }
 
-bool RowFile::next_line() { return next_text_line(in_, line_, number_); }
+bool RowFile::next_line() { return next_text_line(*in_, line_, number_); }
 
 std::vector<RowFile::Cell> RowFile::split(std::size_t begin) const {
   std::vector<Cell> cells;
@@ -132,13 +136,13 @@ bool RowFile::open_dump() {
     if (line_.rfind("ITEM: ATOMS", 0) != 0) continue;
     header = line_;
     header_line = number_;
-    behind = in_.tellg();
+    behind = in_->tellg();
     announced_ = count;
     announced_line_ = count_line;
   } while (next_line());
   if (header.empty()) return error(place_, "the file '" + path_ + "' has no line 'ITEM: ATOMS id x y z ...'");
-  in_.clear();
-  if (behind != std::streampos(-1)) in_.seekg(behind);
+  in_->clear();
+  if (behind != std::streampos(-1)) in_->seekg(behind);
   line_ = header;
   number_ = header_line;
   if (!wanted_.empty()) return named_by_scene(split(11).size());
@@ -178,7 +182,7 @@ bool RowFile::open_text() {
     });
     if (places == 3) in_comment = std::move(cells);
   } while (next_line());
-  if (!in_) return error(place_, "the file '" + path_ + "' has no body");
+  if (!*in_) return error(place_, "the file '" + path_ + "' has no body");
   const auto cells = split();
   const bool numbers =
       std::all_of(cells.begin(), cells.end(), [](const Cell& c) { return read_number(c.text).has_value(); });
@@ -262,12 +266,12 @@ bool RowFile::check_count() {
 }
 
 std::size_t RowFile::rows_ahead() {
-  const std::streampos begin = in_.tellg();
+  const std::streampos begin = in_->tellg();
   std::size_t lines = 1;
-  for (char block[4096]; in_.read(block, sizeof block), in_.gcount() > 0;)
-    lines += static_cast<std::size_t>(std::count(block, block + in_.gcount(), '\n'));
-  in_.clear();
-  in_.seekg(begin);
+  for (char block[4096]; in_->read(block, sizeof block), in_->gcount() > 0;)
+    lines += static_cast<std::size_t>(std::count(block, block + in_->gcount(), '\n'));
+  in_->clear();
+  in_->seekg(begin);
   return lines;
 }
 

@@ -3,6 +3,8 @@
 /// name in the file, "Radius[m]" too, or from names that the scene gives.
 #pragma once
 #include <fstream>
+#include <istream>
+#include <memory>
 #include <optional>
 
 #include "scenes/reader/table_reader.h"
@@ -25,6 +27,7 @@ class RowFile {
   static const std::vector<std::string>& known();
 
   /// path: of the file, place: where the scene names it; columns: names that the scene gives, "-" passes one over.
+  /// Throws FileError: an .h5 file without such columns.
   RowFile(Reading& reading, std::string path, Place place, std::vector<std::string> columns);
 
   /// Finds the columns. False after an error.
@@ -54,7 +57,7 @@ class RowFile {
   std::string path_;
   Place place_;
   std::vector<std::string> wanted_;
-  std::ifstream in_;
+  std::unique_ptr<std::istream> in_;  ///< the file, or its rows as text
   std::string line_;
   int number_ = 0;          ///< of line_
   char separator_ = ' ';    ///< blank: any run of blanks

@@ -231,7 +231,7 @@ TableSchema bodies_table() {
       "names of others with their units (`Radius[m]`, `PosX[mm]`); three columns without names are x y z; a text "
       "export "
       "of YADE; a dump of LAMMPS or LIGGGHTS (last frame)",
-      {text("file", "table (.csv, .txt, .dat, .tsv, .xyz), dump (.dump, .lammpstrj, .liggghts) or .polyset"),
+      {text("file", "table (.csv, .txt, .dat, .tsv, .xyz), dump (.dump, .lammpstrj, .liggghts), .polyset or .h5"),
        group_field(),
        optional(
            "columns", "", "", Kind::texts, {},

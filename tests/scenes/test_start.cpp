@@ -180,6 +180,8 @@ TEST_CASE("bodies that came or went later are as they were at the time that a sc
     CHECK(state_hash(world) == made->hash);  // the snapshot's own
     CHECK(world.clock == Approx(time));
   }
+  CHECK(open_made_run_at(folder / "rain", 0.1003)->assembly->simulation->world.time == Approx(0.1));
+  CHECK_THROWS_WITH(open_made_run_at(folder / "rain", 0.102), Catch::Contains("no snapshot of 0.102 s"));
   CHECK_THROWS_WITH(open_made_run_at(folder / "rain", 0.12),
                     Catch::Contains("the run has no snapshot of 0.12 s; there are 0, 0.05, 0.1"));
 }

@@ -3,7 +3,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <random>
 
+#include "engine/state/world.h"
 #include "engine/step/contact_pieces.h"
 #include "scenes/full_registry.h"
 #include "scenes/last_state.h"
@@ -12,6 +14,7 @@
 #include "tests/support/catch.h"
 #include "tests/viz_export/temporary_folder.h"
 #include "viz_export/files/side_file.h"
+#include "viz_export/hdf5/hdf5_file.h"
 #include "viz_export/hdf5/stored_run.h"
 #include "viz_export/output/export.h"
 
@@ -108,6 +111,66 @@ TEST_CASE("a state that was exported goes on with the bodies and energies it had
   CHECK(after.elastic == Approx(before.elastic).epsilon(1e-6));
   CHECK(again->scene.groups.size() == 5);
   CHECK(again->scene.groups[4].name == "more");
+}
+
+TEST_CASE("bodies come from the last snapshot of a run.h5 as from bodies.csv", "[scenes][bodies]") {
+  const TemporaryFolder folder;
+  Session run(assembled(state_head + state_bodies, folder.path()), {}, folder / "out");
+  REQUIRE(run.run({}, true) == Ending::completed);
+  export_run(folder / "out", ExportFormat::csv);
+  std::vector<std::unique_ptr<Assembly>> read;
+  for (const char* file : {"out/bodies.csv", "out/run.h5"})
+    read.push_back(assembled(state_head + fmt::format("[[bodies]]\nfile = \"{}\"\n", file), folder.path()));
+  CHECK(state_hash(read[0]->simulation->world) == state_hash(read[1]->simulation->world));
+}
+
+TEST_CASE("bodies come from the columns of an HDF5 file", "[scenes][bodies]") {
+  const TemporaryFolder folder;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> any(-1, 1);
+  for (const std::size_t n : {1u, 7u, 300u}) {
+    std::vector<double> position(3 * n), radius(n), vx(n), zero(n);
+    for (double& value : position) value = any(random);
+    for (double& value : radius) value = 1e-3 * (1.5 + any(random));
+    for (std::size_t k = 0; k < n; ++k) vx[k] = any(random);
+    {
+      Hdf5File file(folder / "own.h5", Hdf5File::Mode::create);
+      file.write<double>("position", position, {.columns = 3});
+      file.write<double>("radius", radius);
+      file.write<double>("vx", vx);
+      file.write<double>("vy", zero);
+      file.write<double>("vz", zero);
+    }
+    const auto made = assembled(state_head + "[[bodies]]\nfile = \"own.h5\"\nmaterial = \"stone\"\n", folder.path());
+    const World& world = made->simulation->world;
+    REQUIRE(world.size() == n);
+    for (std::size_t k = 0; k < n; ++k) {
+      const Slot s = world.slot_of(static_cast<BodyId>(k));
+      CHECK(world.position[s] == Vec3(position[3 * k], position[3 * k + 1], position[3 * k + 2]));
+      CHECK(world.velocity[s] == Vec3(vx[k], 0, 0));
+      CHECK(made->shapes->bounding_radius({world.shape[s]}) == Approx(radius[k]).epsilon(1e-12));
+    }
+  }
+}
+
+TEST_CASE("an HDF5 file without columns of bodies is refused by name", "[scenes][bodies]") {
+  const TemporaryFolder folder;
+  const auto problem_of = [&](const std::string& text) {
+    const ReadResult read = read_scene_text(text, (folder.path() / "scene.toml").string(), {}, full_registry());
+    REQUIRE(!read.problems.empty());
+    return read.problems[0].to_string();
+  };
+  const std::string scene = state_head + "[[bodies]]\nfile = \"own.h5\"\nmaterial = \"stone\"\n";
+  std::ofstream(folder.path() / "own.h5") << "no HDF5";
+  CHECK_THAT(problem_of(scene), Catch::Contains("own.h5"));
+  Hdf5File(folder / "own.h5", Hdf5File::Mode::create).make_group("states");
+  CHECK_THAT(problem_of(scene), Catch::Contains("no datasets of numbers"));
+  {
+    Hdf5File file(folder / "own.h5", Hdf5File::Mode::create);
+    file.write<double>("x", std::vector<double>(3));
+    file.write<double>("y", std::vector<double>(4));
+  }
+  CHECK_THAT(problem_of(scene), Catch::Contains("'y' has 4 values, 'x' 3"));
 }
 
 TEST_CASE("bodies of a run that was stopped are those of where it stopped", "[scenes][export]") {

@@ -11,24 +11,12 @@
 #include "viz_export/files/side_file.h"
 #include "viz_export/hdf5/stored_run.h"
 #include "viz_export/measures/measures_csv.h"
+#include "viz_export/output/bodies_table.h"
 #include "viz_export/vtk/frame_writer.h"
 
 namespace epafi {
 
 namespace {
-
-constexpr const char* state_columns = "x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz";
-
-void append_state(std::string& out, const BodyRecord& b) {
-  const Quat& q = b.pose.orientation;
-  const Vec3 &x = b.pose.position, &v = b.velocity, &w = b.angular_velocity;
-  const double values[] = {x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), q.w(), q.x(), q.y(), q.z(), w.x(), w.y(), w.z()};
-  const char* comma = "";
-  for (const double value : values) {
-    fmt::format_to(std::back_inserter(out), "{}{:.17g}", comma, value);
-    comma = ",";
-  }
-}
 
 void append_rows(std::string& out, const StoredSnapshot& snapshot) {
   for (const BodyRecord& b : snapshot.bodies) {
@@ -58,42 +46,6 @@ void write_snapshots_csv(const std::filesystem::path& path, const StoredRun& run
     while (rows.empty() && k < run.snapshots()) append_rows(rows, run.snapshot(k++));
     return rows;
   });
-}
-
-/// A cell that a comma or a quote would break stands in quotes, its own doubled.
-std::string csv_cell(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-  return out + "\"";
-}
-
-/// The free bodies as [[bodies]] reads them: what they are in the words of the scene, as far as the run file has them.
-void write_bodies_csv(const std::filesystem::path& path, const StoredRun& run, const std::vector<BodyRecord>& bodies) {
-  std::vector<StoredWords> words;
-  bool sized = false, material = true, group = false;
-  for (const BodyRecord& b : bodies) {
-    words.push_back(run.words(b));
-    if (b.is_wall()) continue;
-    sized = sized || b.surface != nullptr;
-    material = material && !words.back().material.empty();
-    group = group || !words.back().group.empty();
-  }
-  std::string rows;
-  for (std::size_t k = 0; k < bodies.size(); ++k) {
-    const BodyRecord& b = bodies[k];
-    if (b.is_wall()) continue;
-    append_state(rows, b);
-    const bool is_sphere = b.surface == nullptr;
-    rows += is_sphere ? fmt::format(",{:.17g}", b.radius) : ",";
-    if (sized) rows += is_sphere ? ",," : fmt::format(",{},{:.17g}", csv_cell(words[k].shape), words[k].size);
-    if (material) rows += "," + csv_cell(words[k].material);
-    if (group) rows += "," + csv_cell(words[k].group);
-    rows += '\n';
-  }
-  const std::string header = std::string(state_columns) + ",radius" + (sized ? ",shape,size" : "") +
-                             (material ? ",material" : "") + (group ? ",group" : "");
-  write_table(path, header, [&] { return std::exchange(rows, {}); });
 }
 
 /// bodies.csv holds bodies only: a warning says what it leaves out.
@@ -160,7 +112,7 @@ ExportReport export_run(const std::filesystem::path& folder, ExportFormat format
   if (run.snapshots() > 0) {
     const StoredSnapshot last = run.snapshot(run.snapshots() - 1);
     const std::vector<BodyRecord>& bodies = later.empty() ? last.bodies : later;
-    write_bodies_csv(folder / "bodies.csv", run, bodies);
+    write_whole_file(folder / "bodies.csv", {bodies_csv(run, bodies)});
     report.notes = notes_on_bodies(run, bodies);
   }
   const auto measures = run.measures();
