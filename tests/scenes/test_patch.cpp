@@ -275,8 +275,8 @@ TEST_CASE("captions of maps stay within pictures of any shape, with the title of
     int lines = 0;
     for (std::size_t at = 0; (at = text.find("<text x=\"", at)) != text.npos; ++at) {
       double x = std::stod(text.substr(at + 9)), y = std::stod(text.substr(text.find("y=\"", at) + 3));
-      const std::size_t group = text.rfind("<g ", at);
-      if (text.compare(group, 24, "<g transform=\"translate(") == 0) {  // of the legend
+      const std::size_t group = text.rfind("<g transform=\"translate(", at), axes = text.rfind("<g class=\"axes\"", at);
+      if (group != text.npos && group > axes) {  // of the legend, which comes last
         x += std::stod(text.substr(group + 24));
         y += std::stod(text.substr(text.find(' ', group + 24)));
         ++lines;
