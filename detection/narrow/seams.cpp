@@ -5,6 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include "detection/narrow/few_points.h"
+
 namespace epafi {
 
 namespace {
@@ -23,9 +25,6 @@ bool same_bodies(const ContactSet& contacts, std::size_t i, std::size_t k) {
 bool same_pair(const ContactSet& contacts, std::size_t i, std::size_t k) {
   return same_bodies(contacts, i, k) && contacts.feature[i] >> 48 == contacts.feature[k] >> 48;
 }
-
-/// The points of a face have one normal to rounding; those of two faces of a body differ by more.
-bool same_direction(const Vec3& n, const Vec3& m) { return n.dot(m) > 1.0 - 1e-9; }
 
 void take_out(ContactSet& contacts, const std::vector<std::uint8_t>& gone) {
   const auto shorten = [&](auto& column) {
@@ -67,17 +66,18 @@ Vec3 point_on(const World& world, const ContactSet& contacts, std::size_t i, boo
 }  // namespace
 
 void Seams::find(const World& world) {
-  const auto& solids = shapes_.of<SolidParts>();
-  solids_ = std::ranges::any_of(solids, [](const SolidParts& s) { return s.part_count() > 1; });
   flat_.resize(world.size());
   convex_.resize(world.size());
   radius_.resize(world.size());
+  parts_.resize(world.size());
   for (Slot s = 0; s < world.size(); ++s) {
     const ShapeRef shape = shape_of(world, s);
     flat_[s] = world.is_movable(s) ? is_free_wall(shapes_, shape) : has_flat_faces(shapes_, shape);
     convex_[s] = is_convex(shapes_, shape);
     radius_[s] = shapes_.bounding_radius(shape);
+    parts_[s] = part_count(shapes_, shape) > 1;
   }
+  solids_ = std::ranges::count(parts_, 1) > 0;
   joins_ = std::ranges::count(flat_, 1) > (world.cell ? 0 : 1);
 }
 
@@ -87,11 +87,14 @@ void Seams::hide(const World& world, ContactSet& contacts) {
   candidates_.clear();
   others_.clear();
   for (const Group& group : groups_) consider(world, contacts, group);
-  if (candidates_.empty()) return;
+  if (candidates_.empty() && !solids_) return;
+  surface_.resize(groups_.size());
+  std::iota(surface_.begin(), surface_.end(), 0u);
   hidden_.assign(contacts.size(), 0);
   for (const Candidate& c : candidates_)
     if (hidden_[c.contact] == 0 && is_hidden(world, contacts, c)) hidden_[c.contact] = 1;
   decide_faces(world, contacts);
+  rest_on_four(world, contacts);
   take_out(contacts, hidden_);
 }
 
@@ -198,7 +201,7 @@ void Seams::consider(const World& world, const ContactSet& contacts, const Group
     side.first = others_.size();
     if (joins_) list_others(world, contacts, group, side.wall_is_b);
     side.last = others_.size();
-    side.parts = solids_ && part_count(shapes_, shape_of(world, wall)) > 1;
+    side.parts = parts_[wall] != 0;
   }
   if (sides[0].is_empty() && sides[1].is_empty()) return;
   for (std::size_t i = group.begin; i < group.end; ++i)
@@ -249,7 +252,9 @@ void Seams::add_other(const World& world, const ContactSet& contacts, const Grou
   const Slot slot = held.of(held_is_b);
   const bool free = world.is_movable(wall) || world.is_movable(slot);
   double level = near_of(wall, body);
-  if (free) level += std::abs(deepest_[wall] - deepest_[slot]) + std::max(group.depth, held.depth);
+  if (free)
+    level += (free_tolerance / tolerance - 1.0) * near_of(wall, body) + std::abs(deepest_[wall] - deepest_[slot]) +
+             std::max(group.depth, held.depth);
   Vec3 shift = Vec3::Zero();
   if (world.cell)
     shift = centre_of_body(world, contacts, group.begin, wall_is_b) -
@@ -323,7 +328,7 @@ WallPiece Seams::piece_at(const Candidate& c, const Vec3& point) const {
 /// Of two walls that give the same contact the lower id has it, of two images of a wall the one further back.
 bool Seams::comes_first(const Candidate& c, const Other& other) {
   if (other.id != c.id) return c.id < other.id;
-  if (other.piece.part != WallPiece::whole) return true;  // is_given_before
+  if (other.piece.part != WallPiece::whole) return true;  // one of both remains, few_points.h
   const Vec3 zero = Vec3::Zero();
   return std::lexicographical_compare(zero.data(), zero.data() + 3, other.shift.data(), other.shift.data() + 3);
 }
@@ -334,12 +339,13 @@ Vec3 Seams::centre_of_body(const World& world, const ContactSet& contacts, std::
   return wall_is_b ? Vec3(world.position[contacts.b[i]] - branch) : Vec3(world.position[contacts.a[i]] + branch);
 }
 
-bool Seams::is_hidden(const World& world, const ContactSet& contacts, const Candidate& c) const {
+bool Seams::is_hidden(const World& world, const ContactSet& contacts, const Candidate& c) {
   const auto hides = [&](const Other& other) {
-    return is_on(shapes_, other.piece, c.point, other.level) && holds_instead(world, contacts, c, other);
+    if (!is_on(shapes_, other.piece, c.point, other.level)) return false;
+    if (other.piece.part == WallPiece::whole) join(world, c, other);
+    return holds_instead(world, contacts, c, other);
   };
   const std::size_t parts = c.piece.part == WallPiece::whole ? 0 : part_count(shapes_, c.piece.shape);
-  if (parts > 0 && is_given_before(contacts, c)) return true;
   for (std::size_t part = 0; part < parts; ++part)
     if (part != c.piece.part &&
         hides({c.wall, c.id, {c.piece.shape, c.piece.pose, part}, Vec3::Zero(), c.group, c.near}))
@@ -347,14 +353,62 @@ bool Seams::is_hidden(const World& world, const ContactSet& contacts, const Cand
   return std::ranges::any_of(others_of(c), hides);
 }
 
-/// Two parts give the same point with the same normal.
-bool Seams::is_given_before(const ContactSet& contacts, const Candidate& c) const {
-  for (std::size_t k = c.contact; k-- > 0 && same_bodies(contacts, k, c.contact);)
-    if (contacts.feature[k] >> 56 == contacts.feature[c.contact] >> 56 && hidden_[k] == 0 &&
-        same_direction(contacts.normal[k], contacts.normal[c.contact]) &&
-        (contacts.arm[k] - contacts.arm[c.contact]).norm() <= c.near)
-      return true;
-  return false;
+/// Of two walls that move as one the body needs four points in all.
+void Seams::join(const World& world, const Candidate& c, const Other& other) {
+  const bool as_one = !world.is_movable(c.wall) && !world.is_movable(other.wall) &&
+                      world.velocity[c.wall] == world.velocity[other.wall] &&
+                      (!world.rotates() || world.angular_velocity[c.wall] == world.angular_velocity[other.wall]);
+  if (!as_one) return;
+  const std::uint32_t p = surface_of(static_cast<std::uint32_t>(c.group - groups_.data())),
+                      q = surface_of(static_cast<std::uint32_t>(other.held - groups_.data()));
+  surface_[std::max(p, q)] = std::min(p, q);
+}
+
+std::uint32_t Seams::surface_of(std::uint32_t group) const {
+  while (surface_[group] != group) group = surface_[group];
+  return group;
+}
+
+/// Contacts of one surface come in the order of the ids of its walls: slots change.
+void Seams::rest_on_four(const World& world, ContactSet& contacts) {
+  ordered_.clear();
+  for (std::uint32_t k = 0; k < groups_.size(); ++k) {
+    const std::uint32_t surface = surface_of(k);
+    if (surface != k)
+      ordered_.insert(ordered_.end(), {surface, k});
+    else if (parts_[groups_[k].a] != 0 || parts_[groups_[k].b] != 0)
+      ordered_.push_back(k);
+  }
+  const auto key = [&](std::uint32_t k) {
+    return std::tuple(surface_of(k), world.id[groups_[k].of(world.is_movable(groups_[k].a))], k);
+  };
+  std::ranges::sort(ordered_, {}, key);
+  ordered_.erase(std::unique(ordered_.begin(), ordered_.end()), ordered_.end());
+  for (std::size_t begin = 0, end = 0; begin < ordered_.size(); begin = end) {
+    while (end < ordered_.size() && surface_of(ordered_[end]) == surface_of(ordered_[begin])) ++end;
+    rest_on_four(world, contacts, std::span(ordered_).subspan(begin, end - begin));
+  }
+}
+
+/// Of two bodies either is the wall of the other; else it is what does not move freely.
+void Seams::rest_on_four(const World& world, ContactSet& contacts, std::span<const std::uint32_t> surface) {
+  points_on_.clear();
+  double size = infinity;
+  for (const std::uint32_t k : surface) {
+    const Group& group = groups_[k];
+    const bool wall_is_b = surface.size() == 1 || world.is_movable(group.a);
+    for (std::size_t i = group.begin; i < group.end; ++i)
+      if (hidden_[i] == 0)
+        points_on_.push_back({i, wall_is_b ? contacts.arm[i] : Vec3(contacts.arm[i] - group.branch),
+                              wall_is_b ? Vec3(-contacts.normal[i]) : contacts.normal[i]});
+    size = std::min({size, radius_[group.a], radius_[group.b]});
+  }
+  if (points_on_.size() < 2 || !keep_few(points_on_, size, tolerance * size, contacts, hidden_)) return;
+  if (surface.size() > 1) return;
+  // what a contact remembers goes on at another point of the same two bodies, as over the faces of a mesh
+  const Slot a = groups_[surface.front()].a;
+  const auto at = std::lower_bound(contacts.meshes.begin(), contacts.meshes.end(), a);
+  if (at == contacts.meshes.end() || *at != a) contacts.meshes.insert(at, a);
 }
 
 /// One of the body's contacts with the other wall has a normal of the union at the point, and the wall in question
