@@ -64,7 +64,7 @@ def settled(scene, duration, dt):
     folder = os.path.join(BEDS, hashlib.sha256(text).hexdigest()[:16])
     table = os.path.join(folder, "places.csv")
     if not os.path.exists(table):
-        world.write(scene, duration, os.path.join(folder, "start"))
+        world.write(scene, duration, 0.0, os.path.join(folder, "start"))
         command = [PROGRAM, "run", os.path.join(folder, "start.toml"), "-o", os.path.join(folder, "run"), "-q", "--least-output", "--force"]
         keys = ["contact.method=smooth", "run.time_step=%.17g" % dt, "run.allow_unstable=true"]
         subprocess.run(command + [word for key in keys for word in ("--set", key)], check=True, stdout=subprocess.DEVNULL)

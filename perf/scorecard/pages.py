@@ -1,5 +1,6 @@
 """Pages of the scorecard, docs/scorecard/*.md, from its table: what is measured, who is on the front, where our default stands."""
 import os
+import statistics
 import subprocess
 
 from problems import ORDER, load
@@ -88,6 +89,16 @@ def page(name, rows, folder):
     return "\n".join(out) + "\n"
 
 
+def cost_of_wasm(table):
+    """What Bullet costs more as WebAssembly than native, at the same settings."""
+    cost = {(r["engine"], r["problem"], r["settings"]): float(r["seconds"]) for r in table if r["seconds"]}
+    ratios = [c / cost["Bullet", *rest] for (engine, *rest), c in cost.items() if engine == "Bullet (wasm)" and ("Bullet", *rest) in cost]
+    if not ratios:
+        return "a native build is quicker"
+    return "Bullet, which is here as both, takes %.1f times as long there (median of %d rows, %.1f to %.1f)" % (
+        statistics.median(ratios), len(ratios), min(ratios), max(ratios))
+
+
 def index(table):
     """The first page: where our default stands on every problem."""
     timed = [r for r in table if r["seconds"]]
@@ -95,8 +106,9 @@ def index(table):
     lines = ["# Scorecard: contact engines on the same problems", "",
              "One command (`/usr/bin/python3 perf/scorecard/run.py`, [how](../../perf/scorecard/README.md)) runs every engine at its defaults and at a few other",
              "settings on every problem, in turns, and sets what a simulated second costs against the error. WebAssembly engines run in node and",
-             "in single precision; a native build is quicker. %d of %d rows were measured once (they have no spread): their times" % (once, len(timed)),
-             "compare roughly. An engine without a row on a page has not been run on that problem.", "",
+             "in single precision; %s." % cost_of_wasm(table),
+             "%d of %d rows were measured once (they have no spread): their times compare roughly. An" % (once, len(timed)),
+             "engine without a row on a page has not been run on that problem.", "",
              "| problem | engines with an answer | our default: s per s | error | quickest other engine at no larger error | on the front or within twice its cost |",
              "|---" * 6 + "|"]
     for name in (n for n in ORDER if any(r["problem"] == n for r in table)):
@@ -105,7 +117,7 @@ def index(table):
             these = of_measure(rows, measure)
             ours = our_default(these)
             title = "[%s](%s.md)" % (load(name).TITLE, name) + (", " + measure if measure else "")
-            count = len({r["engine"].removesuffix(" smooth") for r in these if good(r)})
+            count = len({r["engine"].removesuffix(" smooth").removesuffix(" (wasm)") for r in these if good(r)})
             if not good(ours):
                 lines.append("| %s | %d | | | | no: %s |" % (title, count, ours["status"]))
                 continue

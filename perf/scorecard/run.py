@@ -63,7 +63,7 @@ class Row:
         """One more measurement; the first also writes and judges the poses."""
         if self.trouble or len(self.times) >= REPEATS or (self.times and sum(self.times) * self.problem.DURATION > PATIENCE):
             return
-        poses = "-" if self.errors else os.path.join(work, "poses.txt")
+        poses = "-" if self.errors else os.path.join(work, "poses-%d.txt" % os.getpid())  # runs beside each other keep apart
         step, options = self.engine.arguments(self.setting)
         stem = os.path.join(work, "cases", self.problem.name)
         said = call([*self.engine.command, stem + ".scene", "%.17g" % self.problem.DURATION, "%.17g" % step,
@@ -111,7 +111,7 @@ def print_rows(table):
 
 def run_problem(problem, engines, options, deadline):
     """Merges the rows of a problem into the table after each turn. False where the budget ended before the first."""
-    write(problem.scene(), problem.DURATION, os.path.join(options.work, "cases", problem.name))
+    write(problem.scene(), problem.DURATION, problem.EVERY, os.path.join(options.work, "cases", problem.name))
     rows, left = [], []
     for engine in engines:
         reason = engine.why_not(problem)

@@ -159,9 +159,10 @@ def write_materials(scene, f):
     return [names[d] for d in densities], "m0", "wall"
 
 
-def write_epafi(scene, duration, f):
-    """NAME.toml, with planes and tubes first."""
-    f.write("run = { duration = %.17g }\nworld = { gravity = %s }\n" % (duration, vector(scene.gravity)))
+def write_epafi(scene, duration, every, f):
+    """NAME.toml, with planes and tubes first. every: seconds between the poses that are wanted, 0 where none are said."""
+    output = ", output_interval = %.17g" % every if every else ""
+    f.write("run = { duration = %.17g%s }\nworld = { gravity = %s }\n" % (duration, output, vector(scene.gravity)))
     f.write('[contact]\nmethod = "nonsmooth"\nrestitution = %.17g\nfriction = %.17g\n' % (scene.restitution, scene.friction))
     materials, floor, upright = write_materials(scene, f)
     for normal, offset in scene.planes:
@@ -181,10 +182,10 @@ def write_epafi(scene, duration, f):
             f.write("orientation = %s\n" % vector(b.turn))
 
 
-def write(scene, duration, stem):
+def write(scene, duration, every, stem):
     """STEM.scene for the peers, STEM.toml for Epafi: the same numbers."""
     os.makedirs(os.path.dirname(stem), exist_ok=True)
     with open(stem + ".scene", "w") as f:
         write_peers(scene, f)
     with open(stem + ".toml", "w") as f:
-        write_epafi(scene, duration, f)
+        write_epafi(scene, duration, every, f)

@@ -4,6 +4,7 @@ scorecard.py run BUILD: Epafi's rows and, where ODE is installed, one peer's on 
 import csv
 import math
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -11,13 +12,15 @@ import tempfile
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "perf", "scorecard"))
-from engines import all_engines
+from engines import FOLDER, all_engines
 from pages import pages
 from problems import ORDER, load
 from table import front, good, read, standing
 
 TABLE = os.path.join(ROOT, "docs", "scorecard", "scorecard.csv")
 G = 9.81
+NUMBERS = ("none one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen sixteen seventeen eighteen "
+           "nineteen twenty").split()
 
 
 def tetrahedra(shape):
@@ -109,9 +112,14 @@ def check_measures():
 
 
 def check_engines():
-    """Every engine has a row or a reason for every problem."""
+    """Every engine has a row or a reason for every problem, and an answer to one; no driver hides a package that it opens."""
+    answers = {r["engine"] for r in read(TABLE) if good(r)}
     for engine in all_engines():
         assert os.path.exists(os.path.join(ROOT, "perf", "scorecard", "engines", engine.source)), engine.name
+        assert engine.name in answers, engine.name + " has failed everywhere"
+        with open(os.path.join(FOLDER, engine.source)) as file:
+            opened = re.findall(r"^(?:import|from) (\w+)", file.read(), re.MULTILINE)
+        assert os.path.splitext(engine.source)[0] not in opened, engine.source + " hides the package that it opens"
         for problem in map(load, ORDER):
             assert problem.settings(engine) or engine.why_not(problem), (engine.name, problem.name)
 
@@ -123,6 +131,10 @@ def check_pages():
     for file, text in pages(table, os.path.dirname(TABLE)).items():
         with open(os.path.join(ROOT, "docs", "scorecard", file)) as f:
             assert f.read() == text, file + " is not what `run.py --pages` writes"
+    verdicts = [line.split("|")[-2].strip() for line in pages(table, os.path.dirname(TABLE))["README.md"].splitlines() if "](" in line and ".md)" in line and line[0] == "|"]
+    with open(os.path.join(ROOT, "README.md")) as f:
+        claim = re.search(r"In (\w+) of (\w+) such tables", f.read())
+    assert claim.groups() == (NUMBERS[verdicts.count("yes")], NUMBERS[len(verdicts)]), verdicts
     for name in {(r["problem"], r["measure"]) for r in table if r["error"]}:
         rows = [r for r in table if (r["problem"], r["measure"]) == name]
         best = front(rows)

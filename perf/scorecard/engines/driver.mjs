@@ -87,14 +87,15 @@ export function run(make) {
     world.free();
     return seconds;
   };
-  let last = once(poses !== '-');
+  // V8 compiles during the first runs, for seconds: none of them counts, however long
+  let last = once(poses !== '-'), before = Infinity;
   if (poses !== '-') fs.writeFileSync(poses, lines.join('\n') + '\n');
-  const measured = [];
-  if (last > 2) measured.push(last);  // a long run counts itself
-  for (let k = 0, spent = last; k < 10 && spent < 0.3; ++k) {
+  for (let k = 0, spent = 0; k < 2 || (k < 20 && (spent < 0.3 || last < 0.7 * before)); ++k) {
+    before = last;
     last = once(false);
     spent += last;
   }
+  const measured = last > 2 ? [last] : [];  // a long run counts itself
   const runs = Math.max(1, Math.ceil(0.05 / Math.max(last, 1e-4)));
   while (last <= 2 && measured.length < 3) {
     let sum = 0;

@@ -81,6 +81,9 @@ def data(grains, types):
     # LIGGGHTS keeps this box, whose cells are as small as a grain: a wide one has billions; LAMMPS shrinks it to the atoms
     pad = 100 * min(b["radius"] for b in grains.bodies)
     places = [[b["position"][k] for b in grains.bodies] + [p for axis, _, p in grains.planes if axis == k] for k in range(3)]
+    for tube in grains.tubes:
+        for k, axis in enumerate(AXES):
+            places[k] += (tube["low"], tube["high"]) if axis == tube["axis"] else (-max(tube["radii"]), max(tube["radii"]))
     low, high = [min(p) - pad for p in places], [max(p) + pad for p in places]
     text = "grains\n\n%d atoms\n%d atom types\n\n" % (len(grains.bodies), types)
     text += "".join("%.9g %.9g %slo %shi\n" % (low[k], high[k], a, a) for k, a in enumerate(AXES)) + "\nAtoms\n\n"

@@ -1,6 +1,6 @@
 """Siconos 4.4 by its Python runner: Moreau-Jean and a solver of the Signorini-Coulomb problem; contacts found by its Bullet.
 Options: tolerance=T (1e-4), iterations=N (1000), solver=nsgs|nsn. Arguments as in driver.h. Its times contain Python and
-HDF5: the runner is clocked as a whole, with one output at the end."""
+HDF5: the runner is clocked as a whole, with one output at the end. A file named siconos.py would hide the package."""
 import json
 import os
 import sys

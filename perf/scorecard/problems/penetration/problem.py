@@ -1,8 +1,9 @@
 """A steel ball of 20 mm strikes a bed of 25 000 spheres of 2 mm at 5 m/s: the third case of Dosta et al. (Comput. Phys. Commun. 296,
 2024, 109066) with moduli of 10 and 100 MPa. The bed came to rest in Epafi's smooth contact; all start from the same numbers.
 
-There is no closed form. Error: of the ball's depth after 25 ms over its diameter, against the mean of the finest runs of all codes
-(REFERENCE). Until that is known a row has a time and a depth, and no error.
+There is no closed form. Error: of the ball's depth after 8 ms over its diameter, shortly before it meets the floor (what it
+does then, it owes to the last grain beneath it), against 1.501, the mean of the finest runs of four codes (Epafi 1.508, LAMMPS
+1.504, YADE 1.498, LIGGGHTS 1.496 at 5e-6 s). These lie within 0.0065 of it: smaller errors say nothing.
 """
 from granular import Material, grain, lattice, settled
 from scene import Scene
@@ -10,10 +11,10 @@ from scene import Scene
 TITLE = "Penetration of 25 000 spheres by a steel ball"
 KIND = "grains"
 UNIT = "over the ball's diameter"
-DURATION = 0.025
-EVERY = 0.005
+DURATION = 0.008
+EVERY = 0.002
 RADIUS, BALL, SPEED = 1e-3, 0.01, 5.0
-REFERENCE = None
+REFERENCE = 1.501
 SETTINGS = {"Epafi smooth": ["", "dt=5e-6"], "LAMMPS": ["dt=5e-6"], "LIGGGHTS": ["dt=5e-6"], "YADE": ["dt=5e-6"]}
 OTHERS = "a problem of granular codes: twenty thousand spheres of 2 mm"
 GRAIN = Material("M1", 2500.0, 1e7)
@@ -36,4 +37,4 @@ def scene():
 
 def measure(times, poses, scene):
     depth = (scene.bodies[0].position[2] - poses[-1][0][2]) / (2 * BALL)
-    return {"": (None if REFERENCE is None else abs(depth - REFERENCE), "ok: %.4f" % depth)}
+    return {"": (abs(depth - REFERENCE), "ok: %.4f" % depth)}

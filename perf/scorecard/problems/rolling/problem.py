@@ -10,7 +10,8 @@ TITLE = "Sphere from sliding to rolling"
 KIND = "roll"
 UNIT = "relative"
 DURATION = 1.0
-WHY = "One contact: what a step costs with one body decides."
+WHY = ("One contact: what a step costs with one body decides. Our default also takes shorter steps, a hundredth of the duration, "
+       "so that each of its hundred snapshots falls on a step.")
 EVERY = 0.0
 SPEED, RADIUS, FRICTION = 2.0, 0.05, 0.2
 
