@@ -311,8 +311,9 @@ std::string memory_text(const MemoryPlan& m, const ShapeStore& shapes) {
 
 std::string explain(const Scene& scene, const StepPlan& plan, const ShapeStore& shapes) {
   std::string out =
-      fmt::format("{}: {} contact, {} bodies\n", scene.file,
-                  scene.contact.method.value == Method::smooth ? "smooth" : "non-smooth", scene.bodies.size());
+      fmt::format("{}: {} contact, {} bodies{}\n", scene.file,
+                  scene.contact.method.value == Method::smooth ? "smooth" : "non-smooth", scene.bodies.size(),
+                  scene.fills.empty() ? "" : fmt::format(" and those of {} [[fill]]", scene.fills.size()));
   const auto where = [](const Place& p) {
     return p.line > 0 ? fmt::format("{}:{}", p.file, p.line) : std::string("default");
   };

@@ -127,7 +127,7 @@ class Machine {
         return s.machine[s.machine.size() / 2].*of;
       };
       lines +=
-          fmt::format("# machine, {} threads: arithmetic {:.2f}x, triad {:.2f}x, a word there and back {:.0f} ns\n",
+          fmt::format("# machine, {} threads: arithmetic {:.2f}x, triad {:.2f}x, round trip of a cache line {:.0f} ns\n",
                       s.threads, median(&MachineSpeedup::arithmetic), median(&MachineSpeedup::triad),
                       1e9 * median(&MachineSpeedup::round_trip));
       if (s.copies.empty()) continue;

@@ -20,7 +20,7 @@ TEST_CASE("rows of a benchmark hold time, error and one hash for all threads", "
   CHECK_THAT(rows[2], Catch::StartsWith("# ") && Catch::Contains("2 threads: ") && Catch::Contains("serial ") &&
                           Catch::Contains("as if "));
   CHECK_THAT(rows[2], Catch::Contains("# machine, 2 threads: arithmetic ") && Catch::Contains("triad ") &&
-                          Catch::Contains("x, a word there and back ") &&
+                          Catch::Contains("x, round trip of a cache line ") &&
                           Catch::Contains("# machine, 2 copies of the scene at once, one thread each: together "));
   CHECK(std::stod(rows[2].substr(rows[2].rfind("together ") + 9)) > 0);
   const auto cell = [](const std::string& row, int k) {
