@@ -478,10 +478,7 @@ RunSummary Session::summary() const {
   const Energy& e = sim.ledger.last();
   s.energy = RunSummary::Energy{e.kinetic, e.potential, std::nullopt, e.dissipated,
                                 e.work,    e.gained,    std::nullopt, sim.ledger.relative_error()};
-  if (smooth)
-    s.energy->elastic = e.elastic;
-  else
-    s.energy->correction = e.correction;
+  (smooth ? s.energy->elastic : s.energy->correction) = smooth ? e.elastic : e.correction;
   s.momentum_error = monitor_->momentum_error();
   const Overlap o = monitor_->overlap();
   s.overlap = RunSummary::Overlap{o.max, o.mean, o.max_relative};

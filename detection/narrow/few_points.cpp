@@ -8,6 +8,8 @@ namespace epafi {
 
 namespace {
 
+constexpr double apart = 1e-4;  ///< over the size: a point with a larger gap does not touch yet
+
 /// Adds the point, with its number in the list as its name, unless one is there already.
 bool add_place(std::vector<PatchPoint>& places, const Vec3& place, double gap, std::size_t number, double near) {
   for (PatchPoint& p : places)
@@ -33,6 +35,7 @@ bool keep_few(std::span<const SurfacePoint> points, double size, double near, Co
     for (std::size_t k = first; k < points.size(); ++k) {
       const SurfacePoint& p = points[k];
       if (seen[k] != 0 || !same_direction(p.normal, points[first].normal)) continue;
+      if (contacts.gap[p.contact] > apart * size) continue;  // which of these lands first is not known
       seen[k] = gone[p.contact] = 1;
       any_gone = !add_place(places, p.place, contacts.gap[p.contact], k, near) || any_gone;
     }

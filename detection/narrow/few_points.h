@@ -1,6 +1,6 @@
 /// @file few_points.h  A rigid body rests on a surface with four points, of however many parts or walls that consists.
-/// Of the points with one normal those remain that keep_four takes (manifold.h): the deepest, and those that span the
-/// largest area with it. Of points in one place one remains.
+/// Of the points with one normal that touch those remain that keep_four takes (manifold.h): the deepest, and those that
+/// span the largest area with it. Of points in one place one remains.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -197,20 +197,25 @@ std::string stages_text(const Assembly& a) {
                      open ? "; those that end by a condition last as long as they may" : "");
 }
 
+/// Bodies that sources have still to bring in.
+std::size_t waiting_bodies(const Assembly& a) {
+  std::size_t waiting = 0;
+  for (const PourBodies* source : a.sources)
+    for (const WaitingBody& body : source->setup().bodies) waiting += a.simulation->world.slot_of(body.id) == no_slot;
+  return waiting;
+}
+
 }  // namespace
 
 std::string check_text(Assembly& a, const std::vector<StageCheck>& stages) {
-  FirstSteps first;
-  first.start = process_seconds();
+  FirstSteps first{process_seconds()};
   Simulation& sim = *a.simulation;
   const World& w = sim.world;
   const bool polyhedra = polyhedra_move(a.scene);
   std::vector<BodySpec>().swap(a.scene.bodies);  // as runs do
   std::size_t free = 0;
   for (Slot s = 0; s < w.size(); ++s) free += w.is_movable(s);
-  std::size_t later = 0;
-  for (const PourBodies* source : a.sources)
-    for (const WaitingBody& body : source->setup().bodies) later += w.slot_of(body.id) == no_slot;
+  const std::size_t later = waiting_bodies(a);
   std::string out = fmt::format("{}: fine\n  bodies        {} free, {} fixed or driven{}\n", a.scene.file, free,
                                 w.size() - free, later > 0 ? fmt::format(", {} poured in later", later) : "");
   (void)enter_simulation(a);

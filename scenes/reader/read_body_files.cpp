@@ -195,6 +195,27 @@ void displace(Scene& scene, std::size_t first, double jitter) {
   }
 }
 
+/// Of a file of bodies, in small letters; none after an error: another kind of file, or none is there.
+std::optional<std::string> ending_of(Reading& reading, const std::string& path, const Place& place,
+                                     const std::string& label) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  const std::vector<std::string> endings{".csv",  ".txt",       ".dat",      ".tsv",     ".xyz",
+                                         ".dump", ".lammpstrj", ".liggghts", ".polyset", ".h5"};
+  std::error_code failure;
+  if (std::find(endings.begin(), endings.end(), ending) == endings.end())
+    reading.error(place, label +
+                             " file: expected a table (.csv, .txt, .dat, .tsv, .xyz), a dump of LAMMPS or LIGGGHTS "
+                             "(.dump, .lammpstrj, .liggghts), .polyset or .h5, found '" +
+                             path + "'");
+  else if (!std::filesystem::is_regular_file(path, failure))
+    reading.error(place, label + " file: there is no file '" + path + "'");
+  else
+    return ending;
+  return std::nullopt;
+}
+
 void read_file(Draft& draft, const Node& item) {
   Reading& reading = draft.reading;
   const std::string label = item_label("bodies", item);
@@ -213,26 +234,14 @@ void read_file(Draft& draft, const Node& item) {
     return reading.error(item.place, label + ": there is no shape 'sphere'");
   const Place place = values.place_of("file");
   const std::string path = resolve_path(values.text("file"), place, reading.main_file);
-  std::string ending = std::filesystem::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  const std::vector<std::string> endings{".csv",  ".txt",       ".dat",      ".tsv",     ".xyz",
-                                         ".dump", ".lammpstrj", ".liggghts", ".polyset", ".h5"};
-  if (std::find(endings.begin(), endings.end(), ending) == endings.end())
-    return reading.error(place,
-                         label +
-                             " file: expected a table (.csv, .txt, .dat, .tsv, .xyz), a dump of LAMMPS or LIGGGHTS "
-                             "(.dump, .lammpstrj, .liggghts), .polyset or .h5, found '" +
-                             path + "'");
-  std::error_code failure;
-  if (!std::filesystem::is_regular_file(path, failure))
-    return reading.error(place, label + " file: there is no file '" + path + "'");
+  const auto ending = ending_of(reading, path, place, label);
+  if (!ending) return;
   reading.files.push_back(path);
   draft.scene.groups.push_back({name, draft.scene.bodies.size(), 0, item.place, {1}});
   draft.scene.groups.back().group = values.has("group") ? values.text("group") : "";
   draft.scene.groups.back().stage = item.stage;
   const std::size_t first = draft.scene.bodies.size();
-  if (ending == ".polyset") {
+  if (*ending == ".polyset") {
     if (!material) return reading.error(item.place, label + ": a .polyset needs a material");
     read_polyset(draft, {path, name, *material, fixed});
   } else {

@@ -126,10 +126,10 @@ class Machine {
         std::ranges::sort(s.machine, {}, of);
         return s.machine[s.machine.size() / 2].*of;
       };
-      lines +=
-          fmt::format("# machine, {} threads: arithmetic {:.2f}x, triad {:.2f}x, round trip of a cache line {:.0f} ns\n",
-                      s.threads, median(&MachineSpeedup::arithmetic), median(&MachineSpeedup::triad),
-                      1e9 * median(&MachineSpeedup::round_trip));
+      lines += fmt::format(
+          "# machine, {} threads: arithmetic {:.2f}x, triad {:.2f}x, round trip of a cache line {:.0f} ns\n", s.threads,
+          median(&MachineSpeedup::arithmetic), median(&MachineSpeedup::triad),
+          1e9 * median(&MachineSpeedup::round_trip));
       if (s.copies.empty()) continue;
       std::ranges::sort(s.copies);
       lines += fmt::format("# machine, {} copies of the scene at once, one thread each: together {:.2f}x\n", s.threads,

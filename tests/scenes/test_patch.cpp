@@ -193,6 +193,16 @@ TEST_CASE("a map says slip where the traction is at its bound, and nowhere else"
   }
 }
 
+namespace {
+
+std::size_t occurrences(const std::string& text, const std::string& word) {
+  std::size_t n = 0;
+  for (std::size_t at = 0; (at = text.find(word, at)) != std::string::npos; ++at) ++n;
+  return n;
+}
+
+}  // namespace
+
 TEST_CASE("maps of a patch hold its force, and its picture the cells that stick", "[scenes][wheel_rail]") {
   const PatchReading r = read_patch_text(
       head +
@@ -232,11 +242,7 @@ TEST_CASE("maps of a patch hold its force, and its picture the cells that stick"
   CHECK(fy * results[0].force.fy > 0.0);
   std::stringstream picture;
   picture << std::ifstream(folder / "hertz_fastsim.svg").rdbuf();
-  const auto count = [text = picture.str()](const std::string& word) {
-    std::size_t n = 0;
-    for (std::size_t at = 0; (at = text.find(word, at)) != std::string::npos; ++at) ++n;
-    return n;
-  };
+  const auto count = [text = picture.str()](const std::string& word) { return occurrences(text, word); };
   // one square for each cell of the image, strips of one length each in theirs
   // and one of each kind in the legend
   const std::size_t sticks = count("class=\"stick\"") - 1, slips = count("class=\"slip\"") - 1;

@@ -143,9 +143,9 @@ TEST_CASE("bodies come from the columns of an HDF5 file", "[scenes][bodies]") {
     }
     const auto made = assembled(state_head + "[[bodies]]\nfile = \"own.h5\"\nmaterial = \"stone\"\n", folder.path());
     const World& world = made->simulation->world;
-    REQUIRE(world.size() == n);
+    REQUIRE(world.size() == n + 1);  // and the floor
     for (std::size_t k = 0; k < n; ++k) {
-      const Slot s = world.slot_of(static_cast<BodyId>(k));
+      const Slot s = world.slot_of(static_cast<BodyId>(k + 1));
       CHECK(world.position[s] == Vec3(position[3 * k], position[3 * k + 1], position[3 * k + 2]));
       CHECK(world.velocity[s] == Vec3(vx[k], 0, 0));
       CHECK(made->shapes->bounding_radius({world.shape[s]}) == Approx(radius[k]).epsilon(1e-12));

@@ -119,6 +119,28 @@ TEST_CASE("a press picks what is drawn, however clear, and the next one what lie
   CHECK(b.complaints() == std::vector<std::string>{});
 }
 
+namespace {
+
+/// Pixels that the first body changes at all, and by more than a trace of colour.
+std::array<double, 2> changed_pixels(support::Browser& b, double opacity) {
+  std::istringstream said(b.text(
+      "(() => { const drawn = (o) => { epafi.opacities.body[0].opacity = o; epafi.showOpacity();"
+      "epafi.renderer.render(epafi.scene, epafi.camera); const gl = epafi.renderer.getContext();"
+      "const p = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);"
+      "gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, p); return p; "
+      "};"
+      "const a = drawn(" +
+      std::to_string(opacity) +
+      "), b = drawn(0); let some = 0, much = 0; for (let k = 0; k < a.length; k += 4) {"
+      "const d = Math.max(...[0, 1, 2].map((c) => Math.abs(a[k + c] - b[k + c]))); some += d > 0; much += d > 17; }"
+      "return some + ' ' + much; })()"));
+  std::array<double, 2> out{};
+  said >> out[0] >> out[1];
+  return out;
+}
+
+}  // namespace
+
 TEST_CASE("the page shows a half-space from within, and a press goes through it first", "[viz_export][view][long]") {
   if (!has_page()) return;
   std::mt19937 random(18);
@@ -138,25 +160,8 @@ TEST_CASE("the page shows a half-space from within, and a press goes through it 
     frame.bodies = {plane, ball_of(1, Vec3::Zero())};
     support::Browser b(700, 500);
     open_page(b, folder, *still_source("jaw", about, std::move(frame)));
-    // pixels that the half-space changes at all, and by more than a breath of colour
-    const auto changed = [&](double opacity) {
-      std::istringstream said(b.text(
-          "(() => { const drawn = (o) => { epafi.opacities.body[0].opacity = o; epafi.showOpacity();"
-          "epafi.renderer.render(epafi.scene, epafi.camera); const gl = epafi.renderer.getContext();"
-          "const p = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);"
-          "gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, p); return p; "
-          "};"
-          "const a = drawn(" +
-          std::to_string(opacity) +
-          "), b = drawn(0); let some = 0, much = 0; for (let k = 0; k < a.length; k += 4) {"
-          "const d = Math.max(...[0, 1, 2].map((c) => Math.abs(a[k + c] - b[k + c]))); some += d > 0; much += d > 17; }"
-          "return some + ' ' + much; })()"));
-      std::array<double, 2> out{};
-      said >> out[0] >> out[1];
-      return out;
-    };
     for (const double opacity : {0.22, 1.0}) {
-      const auto [some, much] = changed(opacity);
+      const auto [some, much] = changed_pixels(b, opacity);
       CHECK(some > 20000);
       CHECK(much > 500);  // its lines
       CHECK(much < 0.25 * some);
@@ -172,7 +177,7 @@ TEST_CASE("the page shows a half-space from within, and a press goes through it 
     b.click(x, y);
     CHECK(b.number("epafi.picked.id") == 0);
     b.press("3");  // from its own side it is a wall that hides
-    const auto [some, much] = changed(1.0);
+    const auto [some, much] = changed_pixels(b, 1.0);
     CHECK(much > 0.8 * some);
     CHECK(b.complaints() == std::vector<std::string>{});
   }

@@ -218,6 +218,13 @@ std::array<double, 2> range_of(const ViewField& field, SeenValues& seen, double 
   return {low, high};
 }
 
+/// A hundredth of the forces are larger.
+float strongest_of(std::vector<float> forces) {
+  const auto place = forces.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(forces.size() - 1));
+  std::nth_element(forces.begin(), place, forces.end());
+  return *place;
+}
+
 }  // namespace
 
 Overview look_over(const ViewSource& source) {
@@ -249,11 +256,7 @@ Overview look_over(const ViewSource& source) {
   for (const ViewField& field : fields) {
     for (const double v : values[field.name].all) out.largest[field.name] = std::max(out.largest[field.name], v);
   }
-  if (!forces.empty()) {
-    const auto place = forces.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(forces.size() - 1));
-    std::nth_element(forces.begin(), place, forces.end());
-    out.strongest = *place;
-  }
+  if (!forces.empty()) out.strongest = strongest_of(std::move(forces));
   const ViewFrame last = shown.empty() ? ViewFrame{} : source.frame(shown.back());
   out.box = free.box(last);
   include_walls(last, out.box);
