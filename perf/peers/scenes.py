@@ -302,7 +302,8 @@ def main():
             codes.append(("Epafi, beside", lambda: run(os.path.abspath(o.beside), name, case, "run_1", o)))
         if shutil.which("lmp"):
             codes.append(("LAMMPS", lambda: run_lammps(name, case, bodies, spheres, o)))
-        print_table("%s, %d bodies" % (name, bodies), [case.__doc__.split("Figure: ")[1].rstrip(".")], take_turns(codes, o.repeats), os.path.join(o.out, name))
+        print_table("%s, %d bodies" % (name, bodies), [case.__doc__.split("Figure: ")[1].rstrip(".")], take_turns(codes, o.repeats), os.path.join(o.out, name),
+                    "scene " + name)
         with open(os.path.join(o.out, name, "table.md")) as f:
             tables.append(f.read())
     write(o.out, "table.md", "\n".join(tables))
