@@ -63,7 +63,8 @@ void Part::receive(Simulation* whole) {
   territory_.cut(world, owner, work_.take());
   const Arrival arrival = exchange_rows(image, territory_.routes(world, owner, place_, all_ranks()));
   settle(image, arrival);
-  asked_ = false;  // events have seen this state
+  asked_ = false;
+  prepared_ = true;
 }
 
 /// Bodies go to the ranks in whose parts they are now; longest: way of a body in the next step [m].
@@ -196,9 +197,10 @@ bool Part::step(double dt, const std::optional<Domain>& domain, StepReport& repo
   World& world = sim_.world;
   if (!(motion_.all(dt) < territory_.margin())) move(motion_.next(dt));
   std::vector<BodyId> none;
+  const bool prepared = std::exchange(prepared_, false);
   for (auto& event : sim_.events) {
     if (event->is_common() && asked_) event->answer(world);
-    if (event->is_local() && !event->is_common()) event->before_step(world, dt, none);
+    if (event->is_local() && !event->is_common() && !prepared) event->before_step(world, dt, none);
   }
   work_.begin();
   if (sim_.loads) sim_.loads->before_step(world, dt);

@@ -60,6 +60,7 @@ class Part {
   std::vector<std::uint32_t> place_;  ///< by slot: in the order of all bodies
   std::vector<Vec3> start_;           ///< by slot: where bodies were when they were placed [m]
   double own_ = 0.0;                  ///< free bodies of this rank
+  bool prepared_ = false;             ///< events have seen this state where it was whole
   bool asked_ = false;                ///< some common event has something to do before the next step
   Motion motion_;
   Joint joint_;
