@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <utility>
 
 #include "engine/threads/parallel.h"
 #include "ranks/common_columns.h"
