@@ -20,6 +20,7 @@ RunAbout about_of(const Assembly& assembly) {
     out.springs.push_back(std::move(spring));
   }
   out.gravity = assembly.simulation->world.gravity;
+  for (const StageSpec& stage : scene.stages) out.duration += stage.duration;
   out.view = scene.view;
   return out;
 }

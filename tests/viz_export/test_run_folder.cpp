@@ -1,5 +1,6 @@
 // What a folder without a run of its own is said to hold; rows of measures.csv read back; run files that are cut.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -237,6 +238,28 @@ TEST_CASE("a run file cut at any place is told in plain words, with what still s
   CHECK_THROWS_WITH(StoredRun(path), Contains("run.h5: is empty"));
   std::ofstream(folder / "summary.json") << "{}";
   CHECK_THROWS_WITH(StoredRun(path), Contains("`epafi run` with the scene makes it again"));
+}
+
+TEST_CASE("a run file that may not be read is not called damaged", "[viz_export][damaged]") {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "run.h5";
+  { const RunFile file(path, {"0", "beef", "title", "text", {}}); }
+  std::ofstream(folder / "summary.json") << "{}";
+  fs::permissions(folder.path(), fs::perms::all);
+  fs::permissions(path, fs::perms::none);
+  const bool almighty = ::geteuid() == 0;  // who may read all: another user cannot
+  if (almighty) REQUIRE(::seteuid(65534) == 0);
+  std::string said;
+  try {
+    (void)open_run(folder.path());
+  } catch (const FileError& e) {
+    said = e.what();
+  }
+  const std::string damage = damage_of(path);
+  if (almighty) REQUIRE(::seteuid(0) == 0);
+  CHECK_THAT(said,
+             Contains("run.h5: cannot be read: Permission denied") && !Contains("again") && !Contains("cut short"));
+  CHECK_THAT(damage, Contains("Permission denied"));
 }
 
 TEST_CASE("what reads another file of a run says that this one is missing", "[viz_export]") {

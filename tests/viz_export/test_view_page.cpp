@@ -171,6 +171,14 @@ TEST_CASE("a measure is plotted with quantity and unit, its cursor at the slider
   REQUIRE(b.wait_for("epafi.at === 1"));
   CHECK(b.number(now + ".getAttribute('x1')") == Approx(left + width));
   CHECK(b.text("document.getElementById('clock').textContent") == "t = 2 s");
+  // what has no curve is told below the plot, and the list keeps its width
+  const std::string width_of_list = "document.getElementById('measure').getBoundingClientRect().width";
+  const double before = b.number(width_of_list);
+  CHECK(before > 100);
+  b.text("epafi.plots = [{name:'energy',label:'q [m]',lines:[],still:['" + std::string(60, 'a') +
+         "','contacts: number of']}], epafi.showMeasure(), ''");
+  CHECK_THAT(b.text("document.getElementById('measure-still').textContent"), Catch::Contains("without a curve"));
+  CHECK(b.number(width_of_list) == Approx(before));
 }
 
 TEST_CASE("every curve of a plot is named, beside the others and within the plot", "[viz_export][view][long]") {

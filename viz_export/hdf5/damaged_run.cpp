@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <optional>
 #include <string_view>
@@ -40,7 +42,9 @@ std::string damage_text(const fs::path& file, const std::string& cause) {
   if (none) return cause;
   if (size == 0) return file.string() + ": is empty";
   std::array<char, 8> start{};
+  errno = 0;
   std::ifstream in(file, std::ios::binary);
+  if (!in) return file.string() + ": cannot be read: " + std::strerror(errno != 0 ? errno : EIO);
   in.read(start.data(), start.size());
   const auto got = static_cast<std::size_t>(in.gcount());
   if (std::string_view(start.data(), got) != hdf5_signature.substr(0, got))

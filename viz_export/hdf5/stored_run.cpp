@@ -1,5 +1,6 @@
 #include "viz_export/hdf5/stored_run.h"
 
+#include <fstream>
 #include <sstream>
 
 #include "viz_export/hdf5/damaged_run.h"
@@ -11,13 +12,13 @@ namespace epafi {
 
 namespace {
 
-/// Trouble with a file that is there is damage of it.
+/// Trouble with a file that is there, and may be read, is damage of it.
 template <class Read>
 auto read_undamaged(const std::filesystem::path& path, const Read& read) {
   try {
     return read();
   } catch (const FileError& e) {
-    if (!std::filesystem::is_regular_file(path)) throw;
+    if (!std::filesystem::is_regular_file(path) || !std::ifstream(path).is_open()) throw;
     throw DamagedRun(path, e.what());
   }
 }

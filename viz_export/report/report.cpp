@@ -39,7 +39,7 @@ struct Page {
   const fs::path& parts;  ///< folder for files on the way
   bool drawn = true;      ///< gnuplot is there
   std::string html{};
-  std::string blind{};  ///< where the camera stands that sees no body
+  std::vector<std::string> notes{};  ///< on the pictures: where the camera stands that sees no body, dots
 
   std::string number(const std::string& name, const char* format = "{:.4g}") const {
     const auto value = summary.number(name);
@@ -67,6 +67,8 @@ void state(Page& p) {
                 ? "`epafi resume " + p.folder.string() + "` goes on from its last checkpoint."
                 : "It wrote no checkpoint: `epafi run` begins anew ([run] checkpoint_interval writes some).";
   }
+  if (const std::string stop = p.source.stop_text(); cut.empty() && !stop.empty())
+    text = "The run has ended early: " + stop + ".";
   if (!text.empty()) p.html += "<p class='warning'>" + escaped(text) + "</p>";
 }
 
@@ -174,10 +176,15 @@ void pictures(Page& p, const ViewSource& source) {
   };
   const std::vector<std::size_t> shown = with_each_stage(p, source.times(), telling_frames(source, 6));
   for (const std::size_t k : shown) add(painter, k, "");
+  p.notes = view_notes(source, "", "");
+  std::string blind, dots;  // at all times
   for (const std::size_t k : shown) {
-    p.blind = painter.blind_text(source.frame(k));
-    if (p.blind.empty()) break;  // the camera sees bodies at some time
+    const ViewFrame frame = source.frame(k);
+    if (k == shown.front() || !blind.empty()) blind = painter.blind_text(frame);
+    if (k == shown.front() || !dots.empty()) dots = painter.dots_text(frame);
   }
+  for (const std::string& note : {blind, dots})
+    if (!note.empty()) p.notes.push_back(note);
   constexpr std::size_t few = 4000;
   const std::size_t contacts = source.frame(shown.back()).contacts.size();
   if (contacts > 0 && contacts <= few) {
@@ -399,8 +406,8 @@ fs::path write_report(const fs::path& folder, const fs::path& wanted) {
   settings(page);
   if (!page.drawn) page.html += "<p class='no'>gnuplot is not installed: the curves are missing.</p>";
   std::string unread;  // what could not be read or seen is known by now
-  if (!page.blind.empty()) unread += "<p class='warning'>" + escaped(page.blind) + "</p>";
-  for (const std::string& text : source->warnings()) unread += "<p class='warning'>" + escaped(text) + "</p>";
+  for (const auto& list : {page.notes, source->warnings()})
+    for (const std::string& text : list) unread += "<p class='warning'>" + escaped(text) + "</p>";
   page.html.insert(below_warnings, unread);
   write_whole_file(target,
                    {"<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "

@@ -63,6 +63,11 @@ std::vector<TableColumn> measured_columns(const std::vector<ReportCase>& cases) 
 
 }  // namespace
 
+bool has_ended(const ReportCase& one) {
+  const std::string status = one.summary.text("status");
+  return status != "running" && status != "cut" && status != "interrupted" && status != "unreadable";
+}
+
 ReportCase read_case(const std::filesystem::path& folder) {
   ReportCase out{folder.filename().string(), {}};
   try {

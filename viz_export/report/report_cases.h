@@ -19,6 +19,9 @@ struct ReportCase {
   std::string title{};
 };
 
+/// It came to an end of its own: it neither goes on nor was cut off, interrupted or made unreadable.
+bool has_ended(const ReportCase& one);
+
 /// Damaged or missing run files leave only the summary.
 ReportCase read_case(const std::filesystem::path& folder);
 

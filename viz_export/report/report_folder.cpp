@@ -102,11 +102,6 @@ std::string title_of(const fs::path& folder) {
   return {};
 }
 
-bool has_ended(const ReportCase& one) {
-  const std::string status = one.summary.text("status");
-  return status != "running" && status != "cut";
-}
-
 /// On top: what is still to come of a chart, limits or sweep.
 std::string unfinished(const fs::path& folder, const std::vector<ReportCase>& cases) {
   const auto mark = read_study_mark(folder);

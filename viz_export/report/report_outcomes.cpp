@@ -126,7 +126,15 @@ ScatterPlot plot_of(const std::vector<ReportCase>& cases, const std::map<std::st
 
 }  // namespace
 
-std::string outcomes_html(const std::vector<ReportCase>& cases, const fs::path& target) {
+std::string outcomes_html(const std::vector<ReportCase>& all, const fs::path& target) {
+  std::vector<ReportCase> cases;
+  std::string left_out;
+  for (const ReportCase& one : all) {
+    if (has_ended(one))
+      cases.push_back(one);
+    else
+      left_out += (left_out.empty() ? "" : ", ") + one.name;
+  }
   const auto keys = swept_keys(cases);
   const std::string at = abscissa_of(cases, keys);
   const std::vector<Outcome> outcomes = outcomes_of(cases);
@@ -141,7 +149,9 @@ std::string outcomes_html(const std::vector<ReportCase>& cases, const fs::path& 
             base64(read_whole_file(fs::path(path) += ".svg")) + "'/><figcaption>" +
             html_escaped(outcomes[k].label + " over " + at) + "</figcaption></figure>";
   }
-  return "<h2>What came out</h2><div class='grid'>" + html + "</div>";
+  const std::string without =
+      left_out.empty() ? "" : "<p class='sub'>Without the cases that have no end: " + html_escaped(left_out) + "</p>";
+  return "<h2>What came out</h2>" + without + "<div class='grid'>" + html + "</div>";
 }
 
 }  // namespace epafi

@@ -19,6 +19,18 @@ std::vector<std::size_t> spread(std::size_t n, std::size_t wanted) {
   return out;
 }
 
+constexpr std::size_t few_values = 50;  // to leave out any of them would mislead
+
+/// The value above which no more than this share of them lies, of few values the largest; sorts a part.
+template <class T>
+T upper_end(std::vector<T>& values, double share_above) {
+  const double last = static_cast<double>(values.size() - 1);
+  const double place = values.size() < few_values ? last : std::ceil((1 - share_above) * last);
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(place);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
 /// The value below which a share of them lies; sorts a part.
 double quantile(std::vector<double>& values, double share) {
   const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
@@ -177,7 +189,7 @@ struct FieldValues {
 /// What of a field the picture shows.
 struct SeenValues {
   std::vector<double> values;
-  double largest = 0;  ///< magnitude, of the bodies that stay in the picture
+  std::vector<double> staying;  ///< those of bodies that stay in the picture; all where none does
 };
 
 /// Bodies that the picture leaves out would take the colours of all others. Where it shows none, all count.
@@ -191,38 +203,32 @@ SeenValues seen_in(const ViewBox& box, const FieldValues& known) {
     if (!inside[k]) leaving.insert(known.ids[k]);
   }
   SeenValues out;
-  std::vector<double> staying;
   for (std::size_t k = 0; k < known.all.size(); ++k) {
     if (!inside[k]) continue;
     out.values.push_back(known.all[k]);
-    if (!leaving.contains(known.ids[k])) staying.push_back(known.all[k]);
+    if (!leaving.contains(known.ids[k])) out.staying.push_back(known.all[k]);
   }
   if (out.values.empty()) out.values = known.all;
-  out.largest = largest_of(staying.empty() ? out.values : staying);
+  if (out.staying.empty()) out.staying = out.values;
   return out;
 }
 
-/// From the first positive value on, 98 % of the values, `floor` at least; whole numbers as they are. One value where
-/// the ends differ by no more than `same`: rounding. resting: no value counts, all but 2 % are below `floor`. seen: not
-/// empty.
+/// From the first positive value on, 98 % of the values (of few all), `floor` at least; whole numbers as they are. One
+/// value where the ends differ by no more than `same`: rounding. resting: no value counts, all but 2 % are below
+/// `floor`. seen: not empty.
 std::array<double, 2> range_of(const ViewField& field, SeenValues& seen, double floor, double same, bool& resting) {
   std::vector<double>& values = seen.values;
   const bool from_zero = field.kind == ViewField::Kind::moving;
   const auto [least_at, most_at] = std::minmax_element(values.begin(), values.end());
   const double least = *least_at, most = *most_at;  // of the unsorted values
   double low = from_zero ? 0.0 : least, high = most;
-  if (from_zero && field.name != "contacts") high = std::max(quantile(values, 0.98), 0.05 * seen.largest);
+  if (from_zero && field.name != "contacts")
+    high =
+        std::max(upper_end(values.size() < few_values ? seen.staying : values, 0.02), 0.05 * largest_of(seen.staying));
   resting = from_zero && most > 0 && high <= floor;
   if (resting) high = floor;
   if (!(high - low > same)) high = low;
   return {low, high};
-}
-
-/// A hundredth of the forces are larger.
-float strongest_of(std::vector<float> forces) {
-  const auto place = forces.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(forces.size() - 1));
-  std::nth_element(forces.begin(), place, forces.end());
-  return *place;
 }
 
 }  // namespace
@@ -249,14 +255,18 @@ Overview look_over(const ViewSource& source) {
       }
     }
     for (const StoredContact& c : frame.contacts) {
-      forces.push_back(std::abs(c.normal_force));
+      if (std::isfinite(c.normal_force)) forces.push_back(std::abs(c.normal_force));
       out.worst_residual = std::max(out.worst_residual, static_cast<double>(c.residual));
     }
   }
   for (const ViewField& field : fields) {
-    for (const double v : values[field.name].all) out.largest[field.name] = std::max(out.largest[field.name], v);
+    const auto& all = values[field.name].all;
+    if (all.empty()) continue;
+    const auto [least, most] = std::minmax_element(all.begin(), all.end());
+    out.extremes[field.name] = {*least, *most};
   }
-  if (!forces.empty()) out.strongest = strongest_of(std::move(forces));
+  if (!forces.empty()) out.strongest_of_all = *std::max_element(forces.begin(), forces.end());
+  if (!forces.empty()) out.strongest = upper_end(forces, 0.01);
   const ViewFrame last = shown.empty() ? ViewFrame{} : source.frame(shown.back());
   out.box = free.box(last);
   include_walls(last, out.box);

@@ -16,12 +16,14 @@ struct Overview {
   /// Of each field that is a number: colours end there. Both ends are the same where there is one value; a field of
   /// which there is no value (no free bodies) is absent.
   std::map<std::string, std::array<double, 2>> range;
-  std::set<std::string> resting;          ///< fields of which 98 % are no more than rounding gives
-  std::map<std::string, double> largest;  ///< of each moving field over the frames looked at
-  float strongest = 0;                    ///< normal force of a contact [N], of 99 % of them
-  double worst_residual = 0;              ///< of a contact
-  std::vector<std::uint32_t> grounds;     ///< ids of walls below all else, ascending (grounds.h)
-  double ground_top = 0;                  ///< the highest of them, along what is up [m]
+  std::set<std::string> resting;  ///< fields of which 98 % are no more than rounding gives
+  /// Least and largest value of each, of bodies that the picture leaves out too: what lies beyond the colours.
+  std::map<std::string, std::array<double, 2>> extremes;
+  float strongest = 0;                 ///< normal force of a contact [N], of 99 % of them; of few the largest
+  float strongest_of_all = 0;          ///< [N]
+  double worst_residual = 0;           ///< of a contact
+  std::vector<std::uint32_t> grounds;  ///< ids of walls below all else, ascending (grounds.h)
+  double ground_top = 0;               ///< the highest of them, along what is up [m]
   std::size_t frames_looked_at = 0;
 };
 

@@ -9,6 +9,7 @@
 #include "viz_export/measures/telling_rows.h"
 #include "viz_export/view/pack.h"
 #include "viz_export/view/planes.h"
+#include "viz_export/view/render_run.h"
 
 namespace epafi {
 namespace {
@@ -126,7 +127,8 @@ std::string Packer::manifest(const std::vector<std::string>& columns, const std:
   JsonWriter json;
   json.begin_object().member("title", source_.title()).member("running", source_.is_running());
   if (!identity.empty()) json.member("identity", identity);
-  if (const std::string cut = source_.cut_text(); !cut.empty()) json.member("cut", cut);
+  const std::string cut = source_.cut_text(), stop = source_.stop_text();
+  if (!cut.empty() || !stop.empty()) json.member("cut", cut.empty() ? "the run has ended early: " + stop : cut);
   json.member("chunk_frames", std::uint64_t{chunk_frames}).member("bodies", std::uint64_t{source_.bodies().size()});
   json.key("times").begin_array();
   for (const std::size_t k : shown_) json.value(source_.times()[k]);
@@ -139,19 +141,22 @@ std::string Packer::manifest(const std::vector<std::string>& columns, const std:
     if (f.whole) json.member("whole", true);
     if (is_resting(overview_, source_.about().view, f.name)) json.member("resting", true);
     if (const auto range = colour_range(overview_, source_.about().view, f.name)) put_pair(json, "range", *range);
+    if (const auto at = overview_.extremes.find(f.name); at != overview_.extremes.end())
+      put_pair(json, "extremes", at->second);
     json.end_object();
   }
   json.end_array().key("box").begin_object();
   put_vector(json, "min", overview_.box.min);
   put_vector(json, "max", overview_.box.max);
   json.end_object().member("strongest", static_cast<double>(overview_.strongest));
+  json.member("strongest_of_all", static_cast<double>(overview_.strongest_of_all));
   put_cameras(json, upwards(source_.about()));
   put_grounds(json, overview_);
   put_about(json, source_.about());
   put_view(json, source_.about().view);
   put_measures(json, source_.measures());
   json.key("notes").begin_array();
-  for (const auto& list : {notes, source_.warnings()})
+  for (const auto& list : {view_notes(source_, "", ""), notes, source_.warnings()})
     for (const std::string& note : list) json.value(note);
   return json.end_array().end_object().text();
 }

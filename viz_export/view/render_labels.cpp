@@ -33,7 +33,52 @@ void add_plate(Image& image, const PlatePlace& place, double opacity) {
     for (int x = left; x < left + static_cast<int>(place.width); ++x) image.blend(x, y, paper, opacity);
 }
 
+/// ">= 5" where values lie beyond by more than the digits shown.
+std::string end_text(const BarValues& bar, std::size_t end, int most_digits) {
+  const std::string text = short_number(bar.range[end], most_digits);
+  const bool is_beyond = end == 0 ? bar.extremes[0] < bar.range[0] : bar.extremes[1] > bar.range[1];
+  if (!is_beyond || short_number(bar.extremes[end]) == short_number(bar.range[end])) return text;
+  return (end == 0 ? "<= " : ">= ") + text;
+}
+
+std::vector<PlacedText> placed(const std::vector<std::string>& ticks, double width, double size) {
+  std::vector<PlacedText> out;
+  for (std::size_t k = 0; k < ticks.size(); ++k) {
+    const double place = ticks.size() > 1 ? static_cast<double>(k) / static_cast<double>(ticks.size() - 1) : 0.0;
+    out.push_back({ticks[k], place * (width - text_width(ticks[k], size))});
+  }
+  return out;
+}
+
+bool run_together(const std::vector<PlacedText>& ticks, double size) {
+  for (std::size_t k = 0; k + 1 < ticks.size(); ++k)
+    if (ticks[k].left + text_width(ticks[k].text, size) + 0.8 * size > ticks[k + 1].left) return true;
+  return false;
+}
+
 }  // namespace
+
+std::vector<std::string> range_ticks(const BarValues& bar, int most_digits) {
+  const std::string low = end_text(bar, 0, most_digits), high = end_text(bar, 1, most_digits);
+  if (bar.range[0] == bar.range[1]) {
+    const std::string only = short_number(bar.range[0], most_digits);
+    return {(low == only && high == only ? "all " : "most ") + only};
+  }
+  const double middle = 0.5 * (bar.range[0] + bar.range[1]);
+  if (bar.whole && middle != std::round(middle)) return {low, high};
+  return {low, short_number(middle, most_digits), high};
+}
+
+std::vector<PlacedText> placed_ticks(const BarValues& bar, double width, double size) {
+  std::vector<PlacedText> out;
+  for (const bool with_middle : {true, false})
+    for (const int digits : {4, 3}) {
+      out = placed(range_ticks(bar, digits), width, size);
+      if (!with_middle && out.size() > 2) out.erase(out.begin() + 1);
+      if (!run_together(out, size)) return out;
+    }
+  return out;
+}
 
 void RunPainter::label(Image& image, const ViewFrame& frame) const {
   const double size = std::max(10.0, options_.letters * options_.height);
@@ -41,6 +86,8 @@ void RunPainter::label(Image& image, const ViewFrame& frame) const {
   const std::string title = options_.title ? fitting(source_.title(), 1.25 * size, image.width - 2 * left) : "";
   std::string below = "t = " + time_text(source_.times(), frame.time) + " s";
   if (const std::string strays = outside_text(outside(frame)); !strays.empty()) below += ", " + strays;
+  if (const std::string stop = source_.stop_text(); !stop.empty()) below += ", " + stop;
+  below = fitting(below, size, image.width - 2 * left);
   const double widest = std::max(text_width(title, 1.25 * size), text_width(below, size)),
                rows = options_.title ? 3.1 : 1.7;
   add_plate(image, {0.4 * size, 0.4 * size, widest + size, rows * size}, see_through);
@@ -115,11 +162,11 @@ void RunPainter::colour_bar(Image& image, double size) const {
     draw_text(image, x, y + height, text, size, ink);
     return;
   }
-  const std::array<double, 2> range = forces ? std::array<double, 2>{0, overview_.strongest} : *range_;
-  std::vector<std::string> ticks = range_ticks(range, !forces && field_.whole);
+  std::vector<PlacedText> ticks = placed_ticks(bar_values(), width, 0.9 * size);
   if (resting_ && !forces)
-    ticks = {(field_.name == "residual" ? "rounding" : "at rest") + (": 98 % below " + short_number(range[1]))};
-  const double widest = std::max({1.0 * width, text_width(name, size), text_width(ticks.front(), 0.9 * size)});
+    ticks = {
+        {(field_.name == "residual" ? "rounding" : "at rest") + (": 98 % below " + short_number(range_->back())), 0.0}};
+  const double widest = std::max({1.0 * width, text_width(name, size), text_width(ticks.front().text, 0.9 * size)});
   add_plate(image, {x - 0.5 * size, y - 1.6 * size, widest + size, image.height - 0.3 * size - (y - 1.6 * size)},
             see_through);
   draw_text(image, x, y - 0.5 * size, name, size, ink);
@@ -127,15 +174,14 @@ void RunPainter::colour_bar(Image& image, double size) const {
     const double share = ticks.size() > 1 ? (k + 0.5) / width : only_share;
     fill_box(image, x + k, y, 1, height, forces ? inferno(0.15 + 0.75 * share) : viridis(share));
   }
-  double written = 0;
-  for (const std::string& tick : ticks) written += text_width(tick, 0.9 * size);
-  // long numbers would run into each other: the ends are enough
-  const bool crowded = ticks.size() > 2 && written + text_width(ticks[1], 0.9 * size) > 0.9 * width;
-  for (std::size_t k = 0; k < ticks.size(); k += crowded ? 2 : 1) {
-    const double place = ticks.size() > 1 ? static_cast<double>(k) / static_cast<double>(ticks.size() - 1) : 0.0;
-    const double shift = place * text_width(ticks[k], 0.9 * size);
-    draw_text(image, x + place * width - shift, y + height + 1.1 * size, ticks[k], 0.9 * size, ink);
-  }
+  for (const PlacedText& tick : ticks)
+    draw_text(image, x + tick.left, y + height + 1.1 * size, tick.text, 0.9 * size, ink);
+}
+
+BarValues RunPainter::bar_values() const {
+  if (options_.contacts) return {{0, overview_.strongest}, {0, overview_.strongest_of_all}, false};
+  const auto extremes = overview_.extremes.find(field_.name);
+  return {*range_, extremes == overview_.extremes.end() ? *range_ : extremes->second, field_.whole};
 }
 
 }  // namespace epafi

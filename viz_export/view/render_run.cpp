@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <set>
+#include <string_view>
 
 #include "engine/units/error.h"
 #include "viz_export/files/side_file.h"
@@ -155,9 +156,14 @@ void add_springs(const ViewFrame& frame, const RunAbout& about, const DrawnAxes&
 
 }  // namespace
 
-std::string short_number(double v) {
-  const bool five_digits = std::abs(v) >= 9999.5 && std::abs(v) < 99995;
-  const std::string text = five_digits ? fmt::format("{:.0f}", 10 * std::round(v / 10)) : fmt::format("{:.4g}", v);
+std::string short_number(double v, int most_digits) {
+  constexpr int usual = 4;
+  const bool five_digits = most_digits >= usual && std::abs(v) >= 9999.5 && std::abs(v) < 99995;
+  std::string text =
+      five_digits ? fmt::format("{:.0f}", 10 * std::round(v / 10)) : fmt::format("{:.{}g}", v, most_digits);
+  for (const auto& [full, brief] : {std::pair{"e+0", "e"}, {"e-0", "e-"}, {"e+", "e"}})
+    if (const std::size_t at = text.find(full); at != text.npos && most_digits < usual)
+      text.replace(at, std::string_view(full).size(), brief);
   return text == "-0" ? "0" : text;
 }
 
@@ -166,13 +172,6 @@ std::string time_text(const std::vector<double>& times, double time) {
   const double ratio = apart > 0 ? std::abs(time) / apart : 0.0;
   const int telling = ratio > 1 ? 1 + static_cast<int>(std::ceil(std::log10(ratio))) : 0;
   return telling > 4 ? fmt::format("{:.{}g}", time, std::min(telling, 12)) : short_number(time);
-}
-
-std::vector<std::string> range_ticks(const std::array<double, 2>& range, bool whole) {
-  if (range[0] == range[1]) return {"all " + short_number(range[0])};
-  const double middle = 0.5 * (range[0] + range[1]);
-  if (whole && middle != std::round(middle)) return {short_number(range[0]), short_number(range[1])};
-  return {short_number(range[0]), short_number(middle), short_number(range[1])};
 }
 
 DrawnAxes::DrawnAxes(const Camera& seen)
@@ -325,6 +324,26 @@ std::string RunPainter::blind_text(const ViewFrame& frame) const {
       free, place(camera_.eye), place(camera_.target), place(middle));
 }
 
+std::string RunPainter::dots_text(const ViewFrame& frame) const {
+  constexpr double least_covered = 1e-3;  // of the picture: a dust of dots that fills more is seen
+  const Camera& seen = axes_.camera;
+  const Vec3 towards = (seen.eye - seen.target).normalized();
+  const double pixel = 2 * std::tan(0.5 * seen.angle * std::numbers::pi / 180) / options_.height;  // at distance one
+  std::size_t shown = 0, dots = 0;
+  double covered = 0;  // [pixels]
+  for (const BodyRecord& b : frame.bodies) {
+    const double depth = towards.dot(seen.eye - (b.pose.position - axes_.origin) / axes_.unit);
+    if (b.is_wall() || !std::isfinite(b.radius) || !(depth > 0)) continue;
+    const double radius = b.radius / axes_.unit / (pixel * depth);
+    ++shown;
+    if (radius < 0.5) ++dots;
+    covered += std::numbers::pi * radius * radius;
+  }
+  const bool is_seen = covered > least_covered * options_.width * options_.height;
+  if (2 * dots <= shown || is_seen) return {};
+  return fmt::format("{} of {} bodies {} smaller than a pixel here", dots, shown, dots == 1 ? "is" : "are");
+}
+
 std::string outside_text(std::size_t bodies) {
   return bodies == 0 ? "" : fmt::format("{} {} outside the picture", bodies, bodies == 1 ? "body" : "bodies");
 }
@@ -337,27 +356,52 @@ std::vector<std::string> outline_notes(const RunPainter& painter) {
   return {"the font of pictures has no " + missing + ": drawn as codes in boxes"};
 }
 
-/// Of a film that shows no body at its start, middle and end.
-std::string blind_film(const ViewSource& source, const RunPainter& painter, std::size_t every) {
+/// Of a film: what its start, middle and end all say.
+template <class Text>
+std::string throughout(const ViewSource& source, std::size_t every, const Text& text_of) {
   const std::size_t last = (source.times().size() - 1) / every;
   std::string text;
   for (const std::size_t k : {std::size_t{0}, last / 2, last}) {
-    text = painter.blind_text(source.frame(k * every));
+    text = text_of(source.frame(k * every));
     if (text.empty()) return {};
   }
   return text;
 }
 
+std::vector<std::string> notes_of(const ViewSource& source, const RunPainter& painter, const RenderOptions& options,
+                                  const std::string& blind, const std::string& dots) {
+  std::vector<std::string> notes = view_notes(source, options.camera, options.field);
+  for (const std::string& note : outline_notes(painter)) notes.push_back(note);
+  if (!blind.empty()) notes.push_back(blind);
+  if (!dots.empty()) notes.push_back(dots);
+  return notes;
+}
+
 }  // namespace
+
+std::vector<std::string> view_notes(const ViewSource& source, const std::string& camera, const std::string& field) {
+  const ViewSettings& view = source.about().view;
+  std::vector<std::string> out;
+  if (camera == "scene" && view.preset.empty() && !view.from)
+    out.push_back("the scene has no [view] camera: the picture is seen from " + camera_presets().front().first);
+  if (!field.empty() || view.field.empty()) return out;
+  std::string known;
+  for (const ViewField& f : view_fields(source)) {
+    if (f.name == view.field) return out;
+    known += (known.empty() ? "" : ", ") + f.name;
+  }
+  out.push_back("there is no field '" + view.field + "' here, which [view] field names: colours show " +
+                view_fields(source).front().name + "; there are " + known);
+  return out;
+}
 
 std::vector<std::string> render_picture(const ViewSource& source, const RenderOptions& options, std::size_t frame,
                                         const std::filesystem::path& target) {
   const Overview overview = look_over(source);
   RunPainter painter(source, overview, options);
   write_whole_file(target, {png_of(painter.paint(frame))});
-  std::vector<std::string> notes = outline_notes(painter);
-  if (const std::string blind = painter.blind_text(source.frame(frame)); !blind.empty()) notes.push_back(blind);
-  return notes;
+  const ViewFrame shown = source.frame(frame);
+  return notes_of(source, painter, options, painter.blind_text(shown), painter.dots_text(shown));
 }
 
 WrittenFilm render_film(const ViewSource& source, const RenderOptions& options, std::size_t every,
@@ -369,9 +413,9 @@ WrittenFilm render_film(const ViewSource& source, const RenderOptions& options, 
   Film film(target, options.width, options.height, rate);
   for (std::size_t k = 0; k < source.times().size(); k += every) film.add(painter.paint(k));
   film.finish();
-  std::vector<std::string> notes = outline_notes(painter);
-  if (const std::string blind = blind_film(source, painter, every); !blind.empty()) notes.push_back(blind);
-  return {pictures, rate, std::move(notes)};
+  const auto blind = throughout(source, every, [&](const ViewFrame& frame) { return painter.blind_text(frame); });
+  const auto dots = throughout(source, every, [&](const ViewFrame& frame) { return painter.dots_text(frame); });
+  return {pictures, rate, notes_of(source, painter, options, blind, dots)};
 }
 
 }  // namespace epafi

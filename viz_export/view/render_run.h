@@ -34,6 +34,13 @@ struct DrawnAxes {
   float length(double l) const { return static_cast<float>(l / unit); }
 };
 
+/// What a colour bar is of: colours end at `range`; `extremes` are those of the values.
+struct BarValues {
+  std::array<double, 2> range;
+  std::array<double, 2> extremes;
+  bool whole = false;
+};
+
 class RunPainter {
  public:
   /// Throws FileError for a camera or field that is not there. Source and overview must outlive this.
@@ -45,6 +52,8 @@ class RunPainter {
   std::size_t outside(const ViewFrame& frame) const;
   /// Where the picture shows no free body, though there are some: where its camera stands. Else empty.
   std::string blind_text(const ViewFrame& frame) const;
+  /// Where most free bodies that the picture shows are dots and cover little of it: they stand far apart. Else empty.
+  std::string dots_text(const ViewFrame& frame) const;
   /// Characters of its labels that have no outline (without_outline); empty: all have one.
   std::string unwritable() const;
 
@@ -57,6 +66,7 @@ class RunPainter {
   void add_body(const BodyRecord& body, float value, bool edges, DrawnScene& out);
   void label(Image& image, const ViewFrame& frame) const;
   void colour_bar(Image& image, double size) const;
+  BarValues bar_values() const;  ///< where there is a value
   void kinds(Image& image, double size) const;
   std::vector<std::size_t> kinds_shown() const;
   std::string kind_name(std::size_t kind) const;
@@ -74,7 +84,8 @@ class RunPainter {
   std::map<std::int32_t, std::vector<std::uint32_t>> edges_;  ///< of each mesh
 };
 
-/// One frame as PNG. Returns notes: characters that could not be written, a camera that sees nothing.
+/// One frame as PNG. Returns notes: characters that could not be written, a camera that sees nothing or dots, what of
+/// [view] there is not.
 [[nodiscard]] std::vector<std::string> render_picture(const ViewSource& source, const RenderOptions& options,
                                                       std::size_t frame, const std::filesystem::path& target);
 
@@ -91,13 +102,28 @@ struct WrittenFilm {
 /// "3 bodies outside the picture"; "" of none.
 [[nodiscard]] std::string outside_text(std::size_t bodies);
 
-/// "12.5", "3e-06": four digits, no trailing zeros.
-[[nodiscard]] std::string short_number(double value);
+/// "12.5", "3e-06": four digits or fewer, no trailing zeros; with less than four "3e-6".
+[[nodiscard]] std::string short_number(double value, int most_digits = 4);
 
 /// A time of these, with as many digits as tell it from those of the frames before and after, four at least.
 [[nodiscard]] std::string time_text(const std::vector<double>& times, double time);
 
-/// What stands at start, middle and end of a colour bar: one text where all values are the same, no half counts.
-[[nodiscard]] std::vector<std::string> range_ticks(const std::array<double, 2>& range, bool whole);
+/// What stands at start, middle and end of a colour bar: one text where all values are the same, no half counts. An end
+/// beyond which values lie says so: ">= 5".
+[[nodiscard]] std::vector<std::string> range_ticks(const BarValues& bar, int most_digits = 4);
+
+struct PlacedText {
+  std::string text;
+  double left;  ///< of the bar's left end [pixels]
+};
+
+/// The same under a bar of this width in letters of this size [pixels]: with fewer digits, or without the middle one,
+/// where they would run together.
+[[nodiscard]] std::vector<PlacedText> placed_ticks(const BarValues& bar, double width, double size);
+
+/// What of the scene's [view] this source cannot show, and what it shows instead. camera, field: asked for by the
+/// command; "": nothing.
+[[nodiscard]] std::vector<std::string> view_notes(const ViewSource& source, const std::string& camera,
+                                                  const std::string& field);
 
 }  // namespace epafi

@@ -63,6 +63,8 @@ void read_entry(const std::string& key, std::istream& in, RunAbout& out) {
     read_spring(in, out);
   } else if (key == "gravity") {
     out.gravity = read_three(in);
+  } else if (key == "duration") {
+    in >> out.duration;
   } else if (key == "preset") {
     view.preset = rest_of(in);
   } else if (key == "from") {
@@ -93,6 +95,7 @@ std::string to_text(const RunAbout& about) {
     out += fmt::format("spring {} {} {} {}\n", s.body, to, three_numbers(s.attachment), one_line(s.name));
   }
   out += "gravity " + three_numbers(about.gravity) + "\n";
+  if (about.duration > 0) out += fmt::format("duration {:.17g}\n", about.duration);
   return out + view_lines(about.view);
 }
 

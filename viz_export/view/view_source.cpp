@@ -13,6 +13,7 @@
 
 #include "engine/state/hash.h"
 #include "engine/units/error.h"
+#include "viz_export/files/json_reader.h"
 #include "viz_export/files/run_folder.h"
 #include "viz_export/files/run_mark.h"
 #include "viz_export/measures/measure_rows.h"
@@ -39,6 +40,17 @@ std::map<double, fs::path> contact_files(const fs::path& folder) {
 bool has_contact_files(const fs::path& folder) {
   const std::vector<fs::path> files = files_with(folder / "frames", ".vtp");
   return std::ranges::any_of(files, [](const fs::path& f) { return f.filename().string().starts_with("contacts_"); });
+}
+
+/// Of a run that ended before its time, from summary.json: "interrupted"; "" of others, and where it cannot be read.
+std::string early_end(const fs::path& folder) {
+  try {
+    const std::string status =
+        fs::exists(folder / "summary.json") ? read_json(folder / "summary.json").text("status") : "";
+    return status == "interrupted" || status == "failed" ? status : "";
+  } catch (const FileError&) {
+    return {};  // a report says that it is damaged
+  }
 }
 
 /// Energies as a scene's measure of them has.
@@ -132,6 +144,8 @@ class RunSource final : public ViewSource {
       warn((folder / "frames.pvd").string() +
            ": names no files of contacts, though frames/ holds some: frames are "
            "shown without contacts");
+    look_for_contact_files();
+    if (state_.life == RunLife::over) early_end_ = early_end(folder);
     for (const char* name : {"measures.csv", "progress.csv"}) {
       GarbledRows garbled;
       (void)measure_rows(folder / name, 0.0, &garbled);
@@ -175,6 +189,12 @@ class RunSource final : public ViewSource {
     if (state_.life != RunLife::cut) return {};
     return fmt::format("the run was cut off after t = {:.6g} s: {}", last_time(), state_.cause);
   }
+  std::string stop_text() const override {
+    const std::string how = state_.life == RunLife::cut ? "cut off" : early_end_;
+    if (how.empty()) return {};
+    const std::string of = about_.duration > 0 ? fmt::format(" of {:.6g}", about_.duration) : "";
+    return fmt::format("{} at {:.4g}{} s", how, last_time(), of);
+  }
   std::vector<std::string> warnings() const override {
     const std::lock_guard lock(warnings_lock_);
     return warnings_;
@@ -199,6 +219,17 @@ class RunSource final : public ViewSource {
   }
 
  private:
+  /// Without any of its files of contacts the run tells nothing of them: no body has a force of zero by that.
+  void look_for_contact_files() {
+    const auto missing = std::ranges::count_if(contacts_, [](const auto& f) { return !fs::exists(f.second); });
+    if (missing == 0) return;
+    const auto all = std::ssize(contacts_);
+    warn(fmt::format("{}: {} of its {} files of contacts {} missing{}", (folder_ / "frames.pvd").string(), missing, all,
+                     missing == 1 ? "is" : "are",
+                     missing == all ? ": contacts are not stored in this folder, frames are shown without contacts"
+                                    : ": their frames are shown without contacts"));
+    if (missing == all) contacts_.clear();
+  }
   /// The last frame with contacts tells it for all.
   bool look_for_residuals() const {
     for (auto file = contacts_.rbegin(); file != contacts_.rend(); ++file) {
@@ -233,6 +264,7 @@ class RunSource final : public ViewSource {
   FarSquares squares_;
   std::map<double, fs::path> contacts_;
   bool residuals_ = false;
+  std::string early_end_;  ///< of a run that is over
   std::vector<double> times_;
 };
 

@@ -42,6 +42,8 @@ class ViewSource {
   virtual std::vector<std::string> state_hashes() const { return {}; }
   /// Of a run that was killed: that it was, and after what time. Empty of all others.
   virtual std::string cut_text() const { return {}; }
+  /// Of a run that did not come to its end: "interrupted at 2.3 of 60 s". Empty of all others.
+  virtual std::string stop_text() const { return {}; }
   /// What of the run's files cannot be read, though it is shown: each once, as far as they have been read.
   virtual std::vector<std::string> warnings() const { return {}; }
   virtual double last_time() const { return times().empty() ? 0.0 : times().back(); }  ///< that anything tells of [s]

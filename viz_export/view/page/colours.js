@@ -67,12 +67,17 @@ function timeText(times, time) {
   return telling > 4 ? String(Number(time.toPrecision(Math.min(12, telling)))) : digits(time);
 }
 
-// Start, middle and end of a legend: one text where all values are the same, no half counts.
-function rangeTicks(range, whole) {
+// Start, middle and end of a legend: one text where all values are the same, no half counts. An end beyond which values lie
+// by more than the digits shown says so. extremes: of the values.
+function rangeTicks(range, whole, extremes) {
   const [low, high] = range;
-  if (low === high) return [`all ${digits(low)}`];
+  const [least, most] = extremes || range;
+  const below = least < low && digits(least) !== digits(low);
+  const above = most > high && digits(most) !== digits(high);
+  if (low === high) return [`${below || above ? "most" : "all"} ${digits(low)}`];
   const middle = (low + high) / 2;
-  return whole && !Number.isInteger(middle) ? [digits(low), digits(high)] : [digits(low), digits(middle), digits(high)];
+  const ends = [(below ? "<= " : "") + digits(low), (above ? ">= " : "") + digits(high)];
+  return whole && !Number.isInteger(middle) ? ends : [ends[0], digits(middle), ends[1]];
 }
 
 // Four digits, no trailing zeros.

@@ -7,8 +7,8 @@ function fillSelect(select, options, chosen) {
   select.replaceChildren(...options.map(([value, text]) => new Option(text, value, false, value === chosen)));
 }
 
-function ticksAt(box, range, whole) {
-  box.replaceChildren(...rangeTicks(range, whole).map((t) => Object.assign(document.createElement("span"), { textContent: t })));
+function ticksAt(box, range, whole, extremes) {
+  box.replaceChildren(...rangeTicks(range, whole, extremes).map((t) => Object.assign(document.createElement("span"), { textContent: t })));
 }
 
 // range: null where no body has a value of the field. resting: 98 % are no more than rounding gives; all have one colour, as
@@ -22,7 +22,7 @@ function showLegend(field, map, range, resting, kinds) {
   if (numbers) {
     el("legend-bar").style.background = resting || range[0] === range[1] ? css(colourAt(map, onlyShare)) : gradient(map);
     if (resting) el("legend-ticks").textContent = `${field.name === "residual" ? "rounding" : "at rest"}: 98 % below ${digits(range[1])}`;
-    else ticksAt(el("legend-ticks"), range, field.whole);
+    else ticksAt(el("legend-ticks"), range, field.whole, field.extremes);
   }
   const most = 12;
   const named = kinds.length > most ? kinds.slice(0, most - 1) : kinds;
@@ -38,14 +38,14 @@ function showLegend(field, map, range, resting, kinds) {
 }
 
 // range: null where there are no contacts.
-function showForceLegend(shown, label, range) {
+function showForceLegend(shown, label, range, extremes) {
   const box = el("legend-force");
   box.hidden = !shown;
   box.children[0].textContent = range ? label : "no contacts";
   box.children[1].hidden = box.children[2].hidden = !range;
   if (!range) return;
   box.children[1].style.background = gradient("inferno");
-  ticksAt(box.children[2], range, false);
+  ticksAt(box.children[2], range, false, extremes);
 }
 
 // A row per body name or material: seen or not, and how clear.

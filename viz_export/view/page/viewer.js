@@ -46,6 +46,7 @@ class Viewer {
       this.cutWithView();
       this.lookAtGround();
       this.lookForBodies();
+      if (this.frame && this.frame.n < 20000) this.countDots();  // of more at the next frame: turning stays smooth
       this.dirty = true;
     });
     const near = (p) => new THREE.Vector3(...p.map((v, axis) => v - this.source.origin[axis]));
@@ -140,7 +141,7 @@ class Viewer {
   fillPanel() {
     const m = this.manifest;
     el("title").textContent = m.title;
-    fillSelect(el("field"), m.fields.map((f) => [f.name, f.label]), m.view.field || "speed");
+    fillSelect(el("field"), m.fields.map((f) => [f.name, f.label]), m.fields.some((f) => f.name === m.view.field) ? m.view.field : m.fields[0].name);
     fillSelect(el("map"), Object.keys(polynomials).map((name) => [name, name]), "viridis");
     const cameras = Object.keys(m.presets).map((name, k) => [name, `${name} (${k + 1})`]);
     fillSelect(el("camera"), m.view.from ? [["scene", "of the scene"], ...cameras] : cameras, m.view.from ? "scene" : m.view.preset || "iso");
@@ -164,7 +165,7 @@ class Viewer {
     el("time").max = Math.max(0, this.source.frames - 1);
     const last = this.manifest.times.length > 0 ? timeText(this.manifest.times, this.manifest.times[this.source.frames - 1]) : "0";
     const running = this.source.inside ? `the run went on, at t = ${last} s, when this page was written` : `the run goes on: ${this.source.frames} frames until t = ${last} s; End goes to the last one and follows`;
-    el("notes").textContent = [...[this.anew, this.blind, this.outside].filter((note) => note), ...this.manifest.notes, ...(this.manifest.cut ? [this.manifest.cut] : []), ...(this.trouble ? [this.trouble] : this.manifest.running ? [running] : [])].join("\n");
+    el("notes").textContent = [...[this.anew, this.blind, this.dots, this.outside].filter((note) => note), ...this.manifest.notes, ...(this.manifest.cut ? [this.manifest.cut] : []), ...(this.trouble ? [this.trouble] : this.manifest.running ? [running] : [])].join("\n");
     el("notes").classList.toggle("cut", this.manifest.cut !== undefined);
   }
 
@@ -277,6 +278,7 @@ class Viewer {
     el("time").value = this.at;
     this.countOutside();
     this.lookForBodies();
+    this.countDots();
     el("clock").textContent = `t = ${timeText(this.manifest.times, time)} s`;
     this.showMeasure();
     this.showPick();
@@ -322,6 +324,33 @@ class Viewer {
     this.manifestChanged();
   }
 
+  // Most bodies are dots and cover little of the picture: they stand far apart; as dots_text in render_run.cpp.
+  countDots() {
+    if (!this.frame) return;
+    const { radius, wall } = this.source.bodies;
+    this.camera.updateMatrixWorld();
+    const height = el("picture").clientHeight;
+    const pixel = (2 * Math.tan((this.camera.fov * Math.PI) / 360)) / height; // at distance one
+    const place = new THREE.Vector3();
+    let shown = 0;
+    let dots = 0;
+    let covered = 0;
+    for (let row = 0; row < this.frame.n; ++row) {
+      const id = this.frame.id[row];
+      const depth = -place.fromArray(this.frame.place, 3 * row).applyMatrix4(this.camera.matrixWorldInverse).z;
+      if (wall[id] || !(radius[id] > 0) || !(depth > 0)) continue;
+      const size = radius[id] / (pixel * depth);
+      shown += 1;
+      if (size < 0.5) dots += 1;
+      covered += Math.PI * size * size;
+    }
+    const few = 2 * dots > shown && !(covered > 1e-3 * height * el("picture").clientWidth);
+    const text = few ? `${dots} of ${shown} bodies ${dots === 1 ? "is" : "are"} smaller than a pixel here` : "";
+    if (text === (this.dots || "")) return;
+    this.dots = text;
+    this.manifestChanged();
+  }
+
   showMeasure() {
     if (this.plots.length === 0) return;
     const plot = this.plots.find((p) => p.name === el("measure").value) || this.plots[0];
@@ -343,7 +372,7 @@ class Viewer {
     const limitOf = (id) => (!wall[id] && radius[id] > 0 ? 0.42 * radius[id] : Infinity);
     if (contacts) this.contacts.show(contacts.n, contacts.from, contacts.to, contactSizes(contacts, strongest || 1, 0.42 * this.size, limitOf, residual));
     else this.contacts.show(0, none, none, none);
-    showForceLegend(contacts, residual ? "residual of a contact" : "contact force [N]", residual || (strongest > 0 ? [0, strongest] : null));
+    showForceLegend(contacts, residual ? "residual of a contact" : "contact force [N]", residual || (strongest > 0 ? [0, strongest] : null), residual ? null : [0, this.manifest.strongest_of_all]);
     const speed = (this.manifest.fields.find((f) => f.name === "speed").range || [0, 0])[1];
     if (el("arrows").checked && this.frame.heading && speed > 0)
       showArrows(this.arrows, this.frame, this.source.bodies, speed, 8 * this.size, (id) => this.opacity[id] > 0);
