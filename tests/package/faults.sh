@@ -15,7 +15,7 @@ energies_of() { grep -A8 '"energy": {' "$1/summary.json" | grep -E 'kinetic|pote
 finish() { # folder: resumes until the run is whole
   local tries=0
   while [ $tries -lt 5 ]; do
-    "$program" resume "$1" --steps "$steps" --quiet > "$1.log" 2>&1 && return 0
+    "$program" resume "$1" --until "$end" --quiet > "$1.log" 2>&1 && return 0
     tries=$((tries + 1))
   done
   return 1
@@ -39,6 +39,7 @@ for scene in "$@"; do
   mv "$folder/straight/snapshots.csv" "$folder/straight.csv"
   mv "$folder/kept.csv" "$folder/straight/measures.csv" 2>/dev/null
   span=$((($(date +%s%N) - begin) / 1000000))
+  end=$(sed -n 's/.*"simulated_time": \([0-9.e+-]*\).*/\1/p' "$folder/straight/summary.json" | head -1)
   dt=$(sed -n 's/.*"time_step": \([0-9.e+-]*\).*/\1/p' "$folder/straight/summary.json" | head -1)
   often=$(awk "BEGIN { print $dt * ($steps < 20 ? 1 : int($steps / 20)) }")
   for signal in INT TERM KILL; do
@@ -73,7 +74,7 @@ for scene in "$@"; do
       grep -qiE "space|full" "$folder/disk.log" || fail "$scene, full disk: no word of it: $(tail -1 "$folder/disk.log")"
       mount -o remount,size=200m "$disk"
       if [ -f "$disk/run/checkpoint.h5" ]; then
-        "$program" resume "$disk/run" --steps "$steps" --quiet > "$folder/disk.log" 2>&1 || fail "$scene, full disk: not resumed: $(tail -1 "$folder/disk.log")"
+        "$program" resume "$disk/run" --until "$end" --quiet > "$folder/disk.log" 2>&1 || fail "$scene, full disk: not resumed: $(tail -1 "$folder/disk.log")"
         compare "$scene, full disk" "$disk/run"
       fi
     fi
