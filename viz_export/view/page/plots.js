@@ -1,6 +1,6 @@
 // Curves as SVG, with quantity and unit on the axes and a line at the picture's time.
 
-const curveColours = ["#1f77b4", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
+const curveColours = ["#1f77b4", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#332288", "#882255"];
 
 function niceTicks(low, high, wanted) {
   const raw = (high - low) / wanted;
