@@ -337,3 +337,21 @@ TEST_CASE("rows with orientations of principal axes, as older versions wrote the
     CHECK(own->simulation->ledger.measure(own->simulation->world).elastic == Approx(before.elastic).epsilon(1e-6));
   }
 }
+
+TEST_CASE("a run that fails keeps a state no older than its last checkpoint", "[scenes][restart]") {
+  const TemporaryFolder folder;
+  for (const int every : {30, 77, 100, 200}) {
+    INFO("a checkpoint every " << every << " steps");
+    const std::string text =
+        "run = { duration = 1, time_step = 1e-3, output_interval = 0.1, checkpoint_interval = " +
+        fmt::format("{} }}\n", 1e-3 * every) +
+        "world = { gravity = [0, 0, -9.81], domain = { min = [-1, -1, -1], max = [1, 1, 1] } }\n"
+        "material.glass = { density = 2500.0 }\n"
+        "contact = { method = \"nonsmooth\", restitution = 0, friction = 0.5 }\n"
+        "[[body]]\nname = \"ball\"\nshape = { sphere = { radius = 0.01 } }\nmaterial = \"glass\"\n";
+    Session run(assembled(text, folder.path()), {}, folder / fmt::format("out{}", every));
+    REQUIRE(run.run({}, true) == Ending::failed);
+    // it falls from 0 to the lower side at sqrt(2/g) = 0.4515 s
+    CHECK(452 - static_cast<int>(run.assembly().simulation->steps()) <= every);
+  }
+}
