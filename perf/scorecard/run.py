@@ -23,7 +23,7 @@ import time
 from engines import ROOT, all_engines, install, make_driver
 from judge import read_poses
 from pages import write_pages
-from problems import all_problems
+from problems import ORDER, all_problems
 from scene import write
 from table import merge, processor
 
@@ -33,8 +33,16 @@ ALONE = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
 
 
 def seconds_of(text):
-    number, unit = re.fullmatch(r"([\d.]+)([smh]?)", text).groups()
-    return float(number) * {"": 1, "s": 1, "m": 60, "h": 3600}[unit]
+    found = re.fullmatch(r"(\d+\.?\d*)([smh]?)", text)
+    if not found:
+        raise argparse.ArgumentTypeError("'%s' is no duration; write 90s, 30m or 2h" % text)
+    return float(found[1]) * {"": 1, "s": 1, "m": 60, "h": 3600}[found[2]]
+
+
+def count_of(text):
+    if not re.fullmatch(r"[1-9]\d*", text):
+        raise argparse.ArgumentTypeError("'%s' is no number from 1 on" % text)
+    return int(text)
 
 
 def call(command, limit, folder):
@@ -136,7 +144,10 @@ def chosen(words):
     everyone, found = all_engines(), []
     for word in words or [""]:
         same = [e for e in everyone if e.name.lower() == word.lower()]
-        found += same or [e for e in everyone if e.name.lower().startswith(word.lower())]
+        same = same or [e for e in everyone if e.name.lower().startswith(word.lower())]
+        if not same:
+            raise SystemExit("there is no engine '%s'; there are %s" % (word, ", ".join(e.name for e in everyone)))
+        found += same
     return found
 
 
@@ -145,14 +156,20 @@ def main():
     parser.add_argument("--engine", nargs="+", help="names or beginnings of names")
     parser.add_argument("--problem", nargs="+")
     parser.add_argument("--budget", type=seconds_of, default=1e9, help="whole turns only; 90s, 30m, 2h")
-    parser.add_argument("--turns", type=int, default=REPEATS)
-    parser.add_argument("--limit", type=int, default=120, help="processor seconds that a row may take in a turn")
+    parser.add_argument("--turns", type=count_of, default=REPEATS)
+    parser.add_argument("--limit", type=count_of, default=120, help="processor seconds that a row may take in a turn")
     parser.add_argument("--build", default=os.path.join(ROOT, "build"))
     parser.add_argument("--table", default=os.path.join(ROOT, "docs", "scorecard", "scorecard.csv"))
     parser.add_argument("--no-install", action="store_true")
     parser.add_argument("--as-built", action="store_true", help="drivers that exist are not built again")
     parser.add_argument("--pages", action="store_true", help="write docs/scorecard from the table, run nothing")
     o = parser.parse_args()
+    unknown = [p for p in o.problem or [] if p not in ORDER]
+    if unknown:
+        raise SystemExit("there is no problem '%s'; there are %s" % (unknown[0], ", ".join(ORDER)))
+    folder = os.path.dirname(os.path.abspath(o.table))
+    if not os.path.isdir(folder) or (o.pages and not os.path.exists(o.table)):
+        raise SystemExit("--table: there is no '%s'" % (o.table if o.pages else folder))
     o.work = os.path.join(o.build, "scorecard")
     os.makedirs(o.work, exist_ok=True)
     if o.pages:

@@ -143,6 +143,16 @@ def check_pages():
             assert beaten or r in best, r
 
 
+def check_arguments():
+    """What is no engine, problem, duration or number is refused with what is."""
+    for words, said in ((["--engine", "Nobody"], "there is no engine 'Nobody'; there are Epafi"), (["--problem", "none"], "there are stack, heavy"),
+                        (["--budget", "foo"], "write 90s"), (["--turns", "0"], "no number from 1 on"), (["--limit", "-1"], "no number from 1 on"),
+                        (["--table", "nowhere/t.csv"], "there is no '")):
+        ran = subprocess.run([sys.executable, os.path.join(ROOT, "perf", "scorecard", "run.py"), "--no-install", "--as-built", *words],
+                             capture_output=True, text=True)
+        assert ran.returncode != 0 and said in ran.stderr and "Traceback" not in ran.stderr, (words, ran.stderr)
+
+
 def check_run(build):
     """Newton's method holds 1:1000 and the incline; ODE, whose pyramid is around the cone, does not let the box slide."""
     with tempfile.TemporaryDirectory() as folder:
@@ -163,6 +173,7 @@ if sys.argv[1] == "read":
     check_hulls()
     check_measures()
     check_engines()
+    check_arguments()
     check_pages()
 else:
     check_run(os.path.abspath(sys.argv[2]))

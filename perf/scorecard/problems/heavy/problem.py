@@ -11,8 +11,7 @@ TITLE = "Heavy on light, 1:1000: displacement of the heavy cube after 2 s"
 KIND = "rest"
 UNIT = "m"
 DURATION = 2.0
-WHY = ("Sweeps need their number in proportion to the ratio of masses; a factorisation does not see it. Where our "
-       "default costs more than the front, it is its step, shorter than 1/60 s.")
+WHY = ("Sweeps need their number in proportion to the ratio of masses; a factorisation does not see it.")
 EVERY = 0.05
 
 

@@ -12,7 +12,7 @@ TITLE = "Incline one degree below the angle of friction: creep"
 KIND = "rest"
 UNIT = "m/s"
 DURATION = 2.0
-WHY = "A longer step is cheaper and sticks as well."
+WHY = "One box sticks at any step; what a step with four contacts costs decides."
 EVERY = 0.05
 FRICTION, AZIMUTH = 0.5, math.radians(17)
 
