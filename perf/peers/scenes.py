@@ -19,7 +19,7 @@ import subprocess
 import numpy
 from runs import options, peer, print_table, resumed, take_turns
 
-E, NU, DENSITY, RADIUS = 5e6, 0.3, 2500.0, 0.0025
+NU, RADIUS = 0.3, 0.0025
 HEAD = """[run]
 duration = {duration}
 time_step = {dt}
@@ -71,7 +71,7 @@ class Case:
     the means of two COLUMNS over all spheres."""
     gravity, domain, start_domain, restitution, friction = (0, 0, -9.81), "", None, 0.6, 0.5
     dt, skin, materials, spread = 3e-5, 4e-4, ["bead"], '\nsize = { distribution = "uniform", min = 0.9, max = 1.1 }'
-    walls, closing, shapes, boundary, bins = "", "", sphere(), "f f f", "bin"
+    walls, closing, boundary, bins = "", "", "f f f", "bin"
     motion, more, columns, regions = "fix motion all nve/sphere", "", ("square", "z"), ""
 
     def lammps_walls(self):
@@ -129,8 +129,8 @@ class Box(Case):
 class Clumps(Box):
     """3000 clumps of three spheres in a box. Figure: mean height of the spheres [m]."""
     corners = 2 * RADIUS * numpy.array([(1, 0, 0), (-0.5, math.sqrt(0.75), 0), (-0.5, -math.sqrt(0.75), 0)]) / math.sqrt(3)  # they touch
-    shapes = "clump = { spheres = [%s] }" % ", ".join("[%.17g, %.17g, 0, %g]" % (*c[:2], RADIUS) for c in corners)
-    start = fill("grains", shapes, 3000, (0, 0, 0), (Box.side, Box.side, 0.6))
+    clump = "clump = { spheres = [%s] }" % ", ".join("[%.17g, %.17g, 0, %g]" % (*c[:2], RADIUS) for c in corners)
+    start = fill("grains", clump, 3000, (0, 0, 0), (Box.side, Box.side, 0.6))
     motion = "neigh_modify exclude molecule/intra all\nfix motion all rigid/small molecule"
 
     def spheres(self, rows):

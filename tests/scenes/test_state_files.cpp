@@ -79,6 +79,15 @@ std::unique_ptr<Assembly> assembled(const std::string& text, const std::filesyst
   return assemble(std::move(*read.scene));
 }
 
+/// Of a scene that stands in a file: what a checkpoint goes on with.
+std::unique_ptr<Assembly> assembled_from_file(const std::filesystem::path& folder) {
+  const std::string path = (folder / "scene.toml").string();
+  std::ofstream(path) << state_head + state_bodies;
+  ReadResult read = read_scene(path, {}, full_registry());
+  REQUIRE(read.scene);
+  return assemble(std::move(*read.scene));
+}
+
 }  // namespace
 
 TEST_CASE("a state that was exported goes on with the bodies and energies it had", "[scenes][export]") {
@@ -177,11 +186,7 @@ TEST_CASE("bodies of a run that was stopped are those of where it stopped", "[sc
   for (const std::uint64_t steps : {2100u, 2737u, 3999u}) {
     INFO("after " << steps << " steps, snapshots after 0 and 2000");
     const TemporaryFolder folder;
-    const std::string path = (folder.path() / "scene.toml").string();
-    std::ofstream(path) << state_head + state_bodies;
-    ReadResult read = read_scene(path, {}, full_registry());
-    REQUIRE(read.scene);
-    Session run(assemble(std::move(*read.scene)), {}, folder / "out");
+    Session run(assembled_from_file(folder.path()), {}, folder / "out");
     REQUIRE(run.run({.steps = steps}, true) == Ending::until);
     const LastState last = last_state(folder / "out");
     CHECK_THAT(last.note, Catch::StartsWith("bodies.csv is of 0.0") && Catch::Contains("last snapshot is of 0.02 s"));
@@ -199,11 +204,7 @@ TEST_CASE("bodies of a run that was stopped are those of where it stopped", "[sc
 TEST_CASE("of a run that is done or was stopped before its bodies came the last snapshot stays", "[scenes][export]") {
   for (const std::uint64_t steps : {50u, 4000u}) {
     const TemporaryFolder folder;
-    const std::string path = (folder.path() / "scene.toml").string();
-    std::ofstream(path) << state_head + state_bodies;
-    ReadResult read = read_scene(path, {}, full_registry());
-    REQUIRE(read.scene);
-    Session run(assemble(std::move(*read.scene)), {}, folder / "out");
+    Session run(assembled_from_file(folder.path()), {}, folder / "out");
     run.run({.steps = steps}, true);
     const LastState last = last_state(folder / "out");
     CHECK(last.bodies.empty());
