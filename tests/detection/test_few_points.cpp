@@ -5,6 +5,7 @@
 
 #include "detection/narrow/narrow_phase.h"
 #include "engine/units/random.h"
+#include "tests/detection/framed_world.h"
 #include "tests/detection/mesh_floors.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
@@ -60,22 +61,9 @@ double area_of(const std::vector<Vec3>& points, const Vec3& up) {
   return area;
 }
 
-struct Floor {
-  ShapeStore shapes;
-  World world{Columns{.rotation = true, .periodic = true}};
-  Pose frame;
-
-  Floor(Random& random, double distance)
-      : frame{distance * testing::random_direction(random), testing::random_turn(random)} {}
-  template <class S>
-  void add(const S& shape, const Pose& local, double mass = 0.0) {
-    Body body;
-    body.position = frame.to_world(local.position);
-    body.orientation = frame.orientation * local.orientation;
-    body.mass = mass;
-    body.inertia = mass * Vec3::Ones();
-    body.shape = shapes.add(shape).packed;
-    world.add(body);
+struct Floor : testing::FramedWorld {
+  Floor(Random& random, double distance) {
+    frame = {distance * testing::random_direction(random), testing::random_turn(random)};
   }
   /// Of the last body with all others.
   ContactSet contacts() {

@@ -6,6 +6,7 @@
 
 #include "detection/narrow/narrow_phase.h"
 #include "engine/units/random.h"
+#include "tests/detection/framed_world.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
 
@@ -17,24 +18,10 @@ namespace {
 Box block(const Vec3& size) { return Box(0.5 * size); }
 
 /// Walls turned and shifted as a whole, and one body that may move.
-struct Setting {
-  ShapeStore shapes;
-  World world{Columns{.rotation = true, .periodic = true}};
-  Pose frame;
-
+struct Setting : testing::FramedWorld {
   explicit Setting(Random& random) {
     frame.orientation = testing::random_turn(random);
     frame.position = Vec3(random.uniform(-5, 5), random.uniform(-5, 5), random.uniform(-5, 5));
-  }
-  template <class S>
-  void add(const S& shape, const Pose& local, double mass = 0.0) {
-    Body body;
-    body.position = frame.to_world(local.position);
-    body.orientation = frame.orientation * local.orientation;
-    body.mass = mass;
-    body.inertia = mass * Vec3::Ones();
-    body.shape = shapes.add(shape).packed;
-    world.add(body);
   }
   template <class S>
   void add_body(const S& shape, const Pose& local) {
