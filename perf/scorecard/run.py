@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 """Speed against accuracy of contact engines on the same problems: one command installs, builds, runs in turns, draws.
 
-  /usr/bin/python3 perf/scorecard/run.py [--engine E ...] [--problem P ...] [--budget 30m] [--turns 3] [--pages]
+  /usr/bin/python3 perf/scorecard/run.py [--engine E ...] [--problem P ...] [--budget 30m] [--turns 3] [--pages] [--rows PROBLEM]
 
 A row is one engine at one setting on one problem: processor seconds per simulated second over the steps alone, one thread,
 median of the repeats with their spread, and the error against an exact or converged answer (problems/*/problem.py). The
 rows of a problem take turns, so that a drift of the machine falls on all alike. Rows of what is run again replace the old
-ones in docs/scorecard/scorecard.csv. --pages writes docs/scorecard from the table. README.md says how to add a problem or an engine.
+ones in docs/scorecard/scorecard.csv. --pages writes docs/scorecard from the table, --rows prints
+the rows of a problem for a chart of one's own. README.md says how to add a problem or an engine.
 """
 import argparse
+import csv
 import datetime
 import json
 import os
@@ -25,7 +27,7 @@ from judge import read_poses
 from pages import write_pages
 from problems import ORDER, all_problems
 from scene import write
-from table import merge, processor
+from table import chart_rows, merge, processor, read
 
 REPEATS = 3      # measurements of a row
 PATIENCE = 10.0  # processor seconds: a row that has taken more is not repeated
@@ -151,6 +153,16 @@ def chosen(words):
     return found
 
 
+def print_chart_rows(name, problem):
+    """The first measure of a problem as rows for a chart."""
+    rows = [r for r in read(name) if r["problem"] == problem]
+    measure = next((r["measure"] for r in rows if r["error"]), "")
+    out = csv.writer(sys.stdout, lineterminator="\n")
+    out.writerow(("method", "time", "error"))
+    out.writerows(chart_rows([r for r in rows if r["measure"] == measure]))
+    return 0
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--engine", nargs="+", help="names or beginnings of names")
@@ -163,13 +175,16 @@ def main():
     parser.add_argument("--no-install", action="store_true")
     parser.add_argument("--as-built", action="store_true", help="drivers that exist are not built again")
     parser.add_argument("--pages", action="store_true", help="write docs/scorecard from the table, run nothing")
+    parser.add_argument("--rows", metavar="PROBLEM", help="print its rows for `epafi chart STUDY --with FILE.csv`, run nothing")
     o = parser.parse_args()
-    unknown = [p for p in o.problem or [] if p not in ORDER]
+    unknown = [p for p in (o.problem or []) + [o.rows] * bool(o.rows) if p not in ORDER]
     if unknown:
         raise SystemExit("there is no problem '%s'; there are %s" % (unknown[0], ", ".join(ORDER)))
     folder = os.path.dirname(os.path.abspath(o.table))
-    if not os.path.isdir(folder) or (o.pages and not os.path.exists(o.table)):
-        raise SystemExit("--table: there is no '%s'" % (o.table if o.pages else folder))
+    if not os.path.isdir(folder) or ((o.pages or o.rows) and not os.path.exists(o.table)):
+        raise SystemExit("--table: there is no '%s'" % (o.table if o.pages or o.rows else folder))
+    if o.rows:
+        return print_chart_rows(o.table, o.rows)
     o.work = os.path.join(o.build, "scorecard")
     os.makedirs(o.work, exist_ok=True)
     if o.pages:

@@ -70,3 +70,8 @@ def standing(rows):
         return False, float("inf")
     ratio = float(ours["seconds"]) / cost_of_front(rows, error_of(ours))
     return ratio <= 2.0, ratio
+
+
+def chart_rows(rows):
+    """Of one measure, what `epafi chart STUDY --with FILE.csv` reads: method, seconds and error of all that have an answer."""
+    return [(r["engine"] + " " + r["settings"], r["seconds"], r["error"]) for r in rows if good(r)]

@@ -153,6 +153,15 @@ def check_arguments():
         assert ran.returncode != 0 and said in ran.stderr and "Traceback" not in ran.stderr, (words, ran.stderr)
 
 
+def check_rows():
+    """Rows for a chart of one's own: the columns that `epafi chart --with` asks for, each answer of the first measure once."""
+    ran = subprocess.run([sys.executable, os.path.join(ROOT, "perf", "scorecard", "run.py"), "--rows", "rolling"], capture_output=True, text=True, check=True)
+    rows = list(csv.DictReader(ran.stdout.splitlines()))
+    wanted = [r for r in read(TABLE) if r["problem"] == "rolling" and r["measure"] == "speed" and good(r)]
+    assert [(float(r["time"]), float(r["error"])) for r in rows] == [(float(r["seconds"]), float(r["error"])) for r in wanted], ran.stdout
+    assert len({r["method"] for r in rows}) == len(rows), "two rows of one name"
+
+
 def check_run(build):
     """Newton's method holds 1:1000 and the incline; ODE, whose pyramid is around the cone, does not let the box slide."""
     with tempfile.TemporaryDirectory() as folder:
@@ -174,6 +183,7 @@ if sys.argv[1] == "read":
     check_measures()
     check_engines()
     check_arguments()
+    check_rows()
     check_pages()
 else:
     check_run(os.path.abspath(sys.argv[2]))
