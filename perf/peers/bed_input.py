@@ -1,4 +1,5 @@
 """The settled bed in its box of five planes, as bed.py and laws.py give it to LAMMPS and LIGGGHTS."""
+from tsuji import restitution_given
 
 SORTED = "atom_modify map array sort 1000 0.006\n"
 BEGIN = {"lammps": "atom_style sphere\n" + SORTED + "newton on\ncomm_modify vel yes\n",

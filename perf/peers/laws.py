@@ -18,14 +18,16 @@ import shutil
 import numpy
 from bed_input import box_of_planes, lammps_walls, liggghts_walls, script, write_data
 from runs import options, peer, print_table, resumed, settled, take_turns, write_csv
+from tsuji import restitution_given
 
 SCENE = "scenes/library/bed/bed.toml"
 STEP, E, NU, DENSITY = 1.5e-5, 5e6, 0.3, 2500
+RESTITUTION = "%.9g" % restitution_given(0.6)
 MINDLIN = " tangential mindlin NULL 1.0 0.5"
 # Epafi's [contact.smooth]; pair style granular of LAMMPS (%g: modulus; none for jkr and for several types, where our
 # inputs give no valid run); pair style gran of LIGGGHTS
 LAWS = {
-    "hertz": ('law = "hertz"', "hertz/material %g 0.6 0.3" + MINDLIN + " damping tsuji", "hertz tangential history"),
+    "hertz": ('law = "hertz"', "hertz/material %g " + RESTITUTION + " 0.3" + MINDLIN + " damping tsuji", "hertz tangential history"),
     "linear": ('law = "linear"\nstiffness = 1000', "hooke 1000 0.6 tangential linear_history 286 0 0.5 damping tsuji",
                "hooke tangential history"),
     "hunt-crossley": ('law = "hunt-crossley"\nreference_speed = 1', "", ""),
@@ -33,13 +35,13 @@ LAWS = {
                       "hertz/material %g 100 0.3" + MINDLIN + " damping viscoelastic", ""),
     "power-law": ('law = "power-law"\nexponent = 1.5\nstiffness = 2e4', "", ""),
     "walton-braun": ('law = "walton-braun"\nstiffness = 1000', "", ""),
-    "dmt": ('law = "dmt"\nwork_of_adhesion = 0.05', "dmt %g 0.6 0.3 0.05" + MINDLIN + " damping tsuji", ""),
+    "dmt": ('law = "dmt"\nwork_of_adhesion = 0.05', "dmt %g " + RESTITUTION + " 0.3 0.05" + MINDLIN + " damping tsuji", ""),
     "jkr": ('law = "jkr"\nwork_of_adhesion = 0.05', "", "hertz tangential history cohesion sjkr"),
     "located edges": ('law = "hertz"\nlocate_edges = true', "", ""),
     "mindlin-dashpot": ('law = "hertz"\ntangential = "mindlin-dashpot"', "", ""),
     "mindlin-deresiewicz": ('law = "hertz"\ntangential = "mindlin-deresiewicz"', "", ""),
     "rolling spring": ('law = "hertz"\nrolling = "spring"',
-                       "hertz/material %g 0.6 0.3" + MINDLIN + " rolling sds 100 0.001 0.1 damping tsuji",
+                       "hertz/material %g " + RESTITUTION + " 0.3" + MINDLIN + " rolling sds 100 0.001 0.1 damping tsuji",
                        "hertz tangential history rolling_friction epsd2"),
     "2 materials": ('law = "hertz"', "", "hertz tangential history"),
     "5 materials": ('law = "hertz"', "", "hertz tangential history"),

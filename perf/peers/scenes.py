@@ -18,6 +18,7 @@ import subprocess
 
 import numpy
 from runs import options, peer, print_table, resumed, take_turns
+from tsuji import restitution_given
 
 NU, RADIUS = 0.3, 0.0025
 HEAD = """[run]
@@ -248,7 +249,8 @@ def write_lammps(case, folder, spheres, o):
 
 def lammps_script(case, o, molecules):
     moduli = [MATERIALS[m][0] for m in case.materials]
-    law = lambda p, q: PAIR.format(e=case.restitution, nu=NU, mu=case.friction) % (2 * p * q / (p + q))
+    law = lambda p, q: PAIR.format(e="%.9g" % restitution_given(case.restitution), nu=NU, mu=case.friction) % (2 * p * q / (p + q))
+    wall = lambda q: law(*2 * [2 / (1 / MATERIALS["bead"][0] + 1 / q) / (1 + NU)])  # with a wall LAMMPS takes E / 2 (1 - nu) for E*
     lines = ["units si", "atom_style " + ("hybrid sphere molecular" if molecules else "sphere"), "atom_modify map array sort 1000 %g" % (2.4 * RADIUS),
              "newton on", "comm_modify vel yes", "boundary " + case.boundary, "read_data scene.data", "neighbor %g %s" % (case.skin, case.bins),
              "neigh_modify delay 0 every 1 check yes", "pair_style granular"]
@@ -258,7 +260,7 @@ def lammps_script(case, o, molecules):
         lines.append("group kind%d type %d" % (kind, kind))
         for name, rest in case.lammps_walls().items():
             style = "wall/gran/region" if rest.startswith("region") else "wall/gran"
-            lines.append("fix %s%d kind%d %s granular %s %s" % (name, kind, kind, style, law(MATERIALS["bead"][0], modulus), rest))
+            lines.append("fix %s%d kind%d %s granular %s %s" % (name, kind, kind, style, wall(modulus), rest))
     if any(case.gravity):
         lines.append("fix weight all gravity 9.81 vector 0 0 -1")
     lines += ["timestep %g" % case.dt, case.motion, case.more]

@@ -5,23 +5,28 @@ import json
 import os
 import re
 import subprocess
+import sys
 import tempfile
 
 from grains import arguments
+
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "peers"))
+from tsuji import restitution_given  # noqa: E402
 
 AXES = "xyz"
 SKIN = 0.4  # of the least radius: with a quarter of it grains that fall renew all lists in every other step
 LONG = 5.0  # s: a run that takes so long counts itself, since a few poses are nothing beside it
 
 
-def law(pair, style):
+def law(pair, style, wall=False):
     """Coefficients of a pair of materials, (modulus, Poisson's ratio, restitution, friction), for grains or for a wall."""
     modulus, poisson, restitution, friction = pair
     if style == "history":
         normal = 4 / 3 * modulus / (2 * (1 - poisson**2))
         shear = 8 * modulus / (2 * (1 + poisson)) / (2 * (2 - poisson))
         return "%.9g %.9g 3e5 3e5 %.9g 1" % (normal, shear, friction)
-    return "hertz/material %.9g %.9g %.9g tangential mindlin NULL 1.0 %.9g damping tsuji" % (modulus, restitution, poisson, friction)
+    stiff = modulus / (1 + poisson) if wall else modulus  # with a wall it takes E / 2 (1 - nu) for E*
+    return "hertz/material %.9g %.9g %.9g tangential mindlin NULL 1.0 %.9g damping tsuji" % (stiff, restitution_given(restitution), poisson, friction)
 
 
 def grains_and_walls(grains, style):
@@ -40,12 +45,12 @@ def grains_and_walls(grains, style):
     for k, (axis, sign, place) in enumerate(grains.planes):
         ends = "%.17g NULL" % place if sign > 0 else "NULL %.17g" % place
         for kind in kinds:
-            wall = law(grains.pair(kind, grains.kind_of_plane(axis)), style)
+            wall = law(grains.pair(kind, grains.kind_of_plane(axis)), style, True)
             lines.append("fix wall%d_%d kind%d wall/gran %s%s %splane %s" % (k, kind, kind, word, wall, AXES[axis], ends))
     for k, tube in enumerate(grains.tubes):
         lines += region(k, tube)
         for kind in kinds:
-            wall = law(grains.pair(kind, tube["kind"]), style)
+            wall = law(grains.pair(kind, tube["kind"]), style, True)
             lines.append("fix tube%d_%d kind%d wall/gran/region %s%s region tube%d" % (k, kind, kind, word, wall, k))
     return lines
 

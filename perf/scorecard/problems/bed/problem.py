@@ -14,8 +14,8 @@ UNIT = "over the weight"
 DURATION = 0.6
 EVERY = 0.01
 RADIUS, ROW, DENSITY = 2.5e-3, 13, 2500.0
-WHY = ("A wall decides: one sphere at rest on it (10 mm, 2500 kg/m^3, 10 MPa, 0.3) sinks 8.50 um by Hertz, 7.14 in LAMMPS, whose wall of the style "
-       "granular takes E / 2 (1 - nu) in place of E / 2 (1 - nu^2), and 10.71 in YADE, which halves the radius at a wall. That alone is 0.23 and 0.41.")
+WHY = ("A wall decides: one sphere at rest on it (10 mm, 2500 kg/m^3, 10 MPa, 0.3) sinks 8.50 um by Hertz and 10.71 in YADE, which halves the "
+       "radius at a wall; that alone is 0.41. LAMMPS takes E / 2 (1 - nu) for a wall, which its modulus here makes up for.")
 OTHERS = "overlaps of rigid contact are no forces; the force on the floor cannot be had from poses"
 
 
