@@ -25,7 +25,7 @@ STEP, E, NU, DENSITY = 1.5e-5, 5e6, 0.3, 2500
 RESTITUTION = "%.9g" % restitution_given(0.6)
 MINDLIN = " tangential mindlin NULL 1.0 0.5"
 # Epafi's [contact.smooth]; pair style granular of LAMMPS (%g: modulus; none for jkr and for several types, where our
-# inputs give no valid run); pair style gran of LIGGGHTS
+# inputs give no valid run; its surface energy is half our work of adhesion); pair style gran of LIGGGHTS
 LAWS = {
     "hertz": ('law = "hertz"', "hertz/material %g " + RESTITUTION + " 0.3" + MINDLIN + " damping tsuji", "hertz tangential history"),
     "linear": ('law = "linear"\nstiffness = 1000', "hooke 1000 0.6 tangential linear_history 286 0 0.5 damping tsuji",
@@ -35,7 +35,7 @@ LAWS = {
                       "hertz/material %g 100 0.3" + MINDLIN + " damping viscoelastic", ""),
     "power-law": ('law = "power-law"\nexponent = 1.5\nstiffness = 2e4', "", ""),
     "walton-braun": ('law = "walton-braun"\nstiffness = 1000', "", ""),
-    "dmt": ('law = "dmt"\nwork_of_adhesion = 0.05', "dmt %g " + RESTITUTION + " 0.3 0.05" + MINDLIN + " damping tsuji", ""),
+    "dmt": ('law = "dmt"\nwork_of_adhesion = 0.05', "dmt %g " + RESTITUTION + " 0.3 0.025" + MINDLIN + " damping tsuji", ""),
     "jkr": ('law = "jkr"\nwork_of_adhesion = 0.05', "", "hertz tangential history cohesion sjkr"),
     "located edges": ('law = "hertz"\nlocate_edges = true', "", ""),
     "mindlin-dashpot": ('law = "hertz"\ntangential = "mindlin-dashpot"', "", ""),

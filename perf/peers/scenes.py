@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Scenes of everyday granular work beside LAMMPS, on this machine, in turns: a gas and a straining cell in periodic domains, clumps, a
-turning drum, sizes of 1:10, a mixture of two materials that leaves a hopper.
+turning drum, sizes of 1:10, a heap of grains that stick, a mixture of two materials that leaves a hopper.
 
   /usr/bin/python3 perf/peers/scenes.py [--cases gas,drum] [--steps 400] [--repeats 3] [--beside PROGRAM]
 
@@ -40,11 +40,11 @@ poissons_ratio = 0.3
 method = "smooth"
 restitution = {restitution}
 friction = {friction}
-smooth = {{ law = "hertz-mindlin" }}
+smooth = {{ {law} }}
 """
 
 
-PAIR = "hertz/material %.9g {e} {nu} tangential mindlin NULL 1.0 {mu} damping tsuji"
+PAIR = "{law} %.9g {e} {nu}{more} tangential mindlin NULL 1.0 {mu} damping tsuji"
 # mean over the atoms of what a figure is made of; the same of Epafi's bodies by numpy
 COLUMNS = {"square": "vx*vx+vy*vy+vz*vz", "x": "x", "z": "z"}
 
@@ -74,6 +74,7 @@ class Case:
     dt, skin, materials, spread = 3e-5, 4e-4, ["bead"], '\nsize = { distribution = "uniform", min = 0.9, max = 1.1 }'
     walls, closing, boundary, bins = "", "", "f f f", "bin"
     motion, more, columns, regions = "fix motion all nve/sphere", "", ("square", "z"), ""
+    law, law_of_lammps = 'law = "hertz-mindlin"', ("hertz/material", "")
 
     def lammps_walls(self):
         """Of fix wall/gran what comes after its law, by name of the fix."""
@@ -168,6 +169,18 @@ class Drum(Case):
         return math.degrees(math.atan2(abs(first), -second))
 
 
+class Heap(Case):
+    """A column of 5000 spheres that stick to each other by DMT, 0.02 J/m2, spreads on the ground. Figure: mean height of the spheres [m]."""
+    # LAMMPS pulls with 4 pi gamma R, gamma half the work of adhesion
+    law, law_of_lammps, settle = 'law = "dmt", work_of_adhesion = 0.02', ("dmt", " 0.01"), 0.25
+    walls = plane((0, 0, 1), (0, 0, 0))
+    closing = "[[body]]\nshape = { tube = { radius = 0.03, length = 0.8 } }\nmaterial = \"bead\"\nposition = [0, 0, 0.4]\nfixed = true\n"
+    start = fill("grains", sphere(), 5000, (-0.02, -0.02, 0), (0.02, 0.02, 0.75), Case.spread)
+
+    def lammps_walls(self):
+        return {"ground": "zplane 0 NULL"}
+
+
 class Hopper(Case):
     """4000 spheres of each of two materials leave a funnel. Figure: mean square of the velocities [m2/s2]."""
     settle, materials, bottom, top, low, high = 0.25, ["bead", "soft"], 0.02, 0.07, 0.0, 0.07
@@ -188,7 +201,7 @@ class Hopper(Case):
         return first
 
 
-CASES = {"gas": Gas, "strain": Strain, "clumps": Clumps, "drum": Drum, "sizes": Sizes, "hopper": Hopper}
+CASES = {"gas": Gas, "strain": Strain, "clumps": Clumps, "drum": Drum, "sizes": Sizes, "heap": Heap, "hopper": Hopper}
 MATERIALS = {"bead": (5e6, 2500.0), "soft": (2.5e6, 2000.0)}
 
 
@@ -198,7 +211,8 @@ def write(folder, name, text):
 
 
 def head(case, duration, domain):
-    return HEAD.format(duration=duration, dt=case.dt, gravity=list(case.gravity), domain=domain, restitution=case.restitution, friction=case.friction)
+    return HEAD.format(duration=duration, dt=case.dt, gravity=list(case.gravity), domain=domain, restitution=case.restitution, friction=case.friction,
+                       law=case.law)
 
 
 def prepare(name, case, o):
@@ -249,7 +263,9 @@ def write_lammps(case, folder, spheres, o):
 
 def lammps_script(case, o, molecules):
     moduli = [MATERIALS[m][0] for m in case.materials]
-    law = lambda p, q: PAIR.format(e="%.9g" % restitution_given(case.restitution), nu=NU, mu=case.friction) % (2 * p * q / (p + q))
+    kind, more = case.law_of_lammps
+    text = PAIR.format(law=kind, more=more, e="%.9g" % restitution_given(case.restitution), nu=NU, mu=case.friction)
+    law = lambda p, q: text % (2 * p * q / (p + q))
     wall = lambda q: law(*2 * [2 / (1 / MATERIALS["bead"][0] + 1 / q) / (1 + NU)])  # with a wall LAMMPS takes E / 2 (1 - nu) for E*
     lines = ["units si", "atom_style " + ("hybrid sphere molecular" if molecules else "sphere"), "atom_modify map array sort 1000 %g" % (2.4 * RADIUS),
              "newton on", "comm_modify vel yes", "boundary " + case.boundary, "read_data scene.data", "neighbor %g %s" % (case.skin, case.bins),
