@@ -16,7 +16,7 @@ class ContactLayer : public ContactModel {
   void store(const World& world, StepReport& report) override { below_->store(world, report); }
   void publish(const World& world, ContactSet& contacts) const override { below_->publish(world, contacts); }
   std::size_t own_parts() const override { return below_->own_parts(); }
-  std::size_t own_count(std::size_t part) const override { return below_->own_count(part); }
+  std::optional<std::size_t> own_count(std::size_t part) const override { return below_->own_count(part); }
   void append_gaps(const World& world, std::size_t part, ContactSet& gaps) const override {
     below_->append_gaps(world, part, gaps);
   }

@@ -18,9 +18,11 @@ class ContactPieces {
         known_((contacts.size() + sum_block - 1) / sum_block),
         size_(known_ + (model != nullptr ? model->own_parts() : 0)) {}
   std::size_t size() const { return size_; }
-  /// The contacts of the piece are the model's own, all of which touch: so many.
   bool is_own(std::size_t piece) const { return piece >= known_; }
-  std::size_t own_count(std::size_t piece) const { return model_->own_count(piece - known_); }
+  /// Contacts of a piece where all of them are known to touch.
+  std::optional<std::size_t> all_touching(std::size_t piece) const {
+    return is_own(piece) ? model_->own_count(piece - known_) : std::nullopt;
+  }
 
   /// f(contacts, begin, end): those of a piece with a, b, gap and, where it is known, force. Points of one pair stand
   /// behind each other in `contacts`, which a piece may divide. Several threads may read.

@@ -3,6 +3,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "engine/state/contacts.h"
 #include "engine/state/world.h"
@@ -98,8 +99,8 @@ class ContactModel : public StepStage {
   virtual void publish(const World&, ContactSet&) const {}
   /// Number of parts of the contacts that the model has found itself and that are not in the set.
   virtual std::size_t own_parts() const { return 0; }
-  /// Contacts of a part; all of them touch.
-  virtual std::size_t own_count(std::size_t /*part*/) const { return 0; }
+  /// Contacts of a part where all of them touch; nothing where it lists some that only may (within reach of adhesion).
+  virtual std::optional<std::size_t> own_count(std::size_t /*part*/) const { return 0; }
   /// Appends bodies and gaps of a part, in an order that depends on the state alone; thread-safe.
   virtual void append_gaps(const World&, std::size_t /*part*/, ContactSet& /*gaps*/) const {}
   /// The same with feature, normal, arm and force.

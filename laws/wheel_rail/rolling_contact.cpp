@@ -63,7 +63,7 @@ class RollingContact final : public ContactLayer {
   }
   void publish(const World& world, ContactSet& contacts) const override;
   std::size_t own_parts() const override { return ContactLayer::own_parts() + (published_ ? 0 : 1); }
-  std::size_t own_count(std::size_t part) const override {
+  std::optional<std::size_t> own_count(std::size_t part) const override {
     if (part < ContactLayer::own_parts()) return ContactLayer::own_count(part);
     const auto touches = [](const RollingForce& f) { return f.touches; };
     return static_cast<std::size_t>(std::ranges::count_if(forces_, touches));

@@ -1,6 +1,7 @@
 // Contacts of the fused loop as observers see them, among those of others: in canonical order, each with its values,
 // the same for every thread count, and together what the bodies feel; read in pieces they are the same ones.
 #include <algorithm>
+#include <random>
 #include <tuple>
 
 #include "engine/step/contact_pieces.h"
@@ -8,6 +9,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
 #include "tests/support/scene_run.h"
+#include "viz_export/vtk/contact_list.h"
 
 using namespace epafi;
 using namespace epafi::experiments;
@@ -26,12 +28,12 @@ ContactSet read_in_pieces(const Simulation& sim) {
   parallel_for(
       pieces.size(),
       [&](std::size_t k) {
-        pieces.read(k, [&, own = pieces.is_own(k)](const ContactSet& c, std::size_t begin, std::size_t end) {
+        pieces.read(k, [&](const ContactSet& c, std::size_t begin, std::size_t end) {
           for (std::size_t i = begin; i < end; ++i) {
             read[k].append(c.a[i], c.b[i], {c.gap[i], c.normal[i], c.arm[i], 0.0, c.feature[i]});
             read[k].force.push_back(c.force[i]);
           }
-          is_counted[k] = !own || pieces.own_count(k) == end - begin;
+          is_counted[k] = pieces.all_touching(k).value_or(end - begin) == end - begin;
         });
       },
       1);
@@ -93,4 +95,73 @@ TEST_CASE("contacts of the fused loop are published in canonical order, the same
     most = std::max(most, sim.world.force[s].norm());
   }
   CHECK(worst < 1e-12 * most);
+}
+
+TEST_CASE("frames list those adhesive contacts of the sphere loop that hold, whatever lies within reach",
+          "[physics][fused]") {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::size_t within_reach = 0;  // of the last looks, in all draws
+  for (int draw = 0; draw < 6; ++draw) {
+    const std::string law = draw % 3 == 2 ? "dmt" : "jkr";
+    SceneRun run = start_text(fmt::format(R"([run]
+duration = 0.2
+output_interval = 1.0
+seed = {}
+[world]
+gravity = [0, 0, -9.81]
+[material.a]
+density = 1500.0
+youngs_modulus = 1e7
+poissons_ratio = 0.1
+[material.b]
+density = 1500.0
+youngs_modulus = {}
+poissons_ratio = 0.03
+[contact]
+method = "smooth"
+restitution = {}
+friction = 0.8
+smooth = {{ law = "{}", work_of_adhesion = {} }}
+[[body]]
+name = "cup"
+shape = {{ tube = {{ radius = 0.03, length = 0.4, ends = "closed" }} }}
+position = [0, 0, 0.2]
+material = "b"
+fixed = true
+[[fill]]
+name = "grains"
+shape = {{ sphere = {{ radius = 0.005 }} }}
+material = "a"
+count = 30
+region = {{ box = {{ min = [-0.02, -0.02, 0.005], max = [0.02, 0.02, 0.18] }} }}
+velocity_deviation = 0.7
+)",
+                                          draw + 1, 1e6 + 1e7 * unit(random), unit(random), law, 0.1 * unit(random)));
+    REQUIRE(run.assembly->plan.fused_spheres);
+    Simulation& sim = run.simulation();
+    for (int look = 0; look < 40; ++look) {
+      run.advance_to(sim.steps() + 97);
+      const ContactPieces pieces(sim.world, sim.work.contacts, sim.pipeline.contact_model.get());
+      std::size_t holding = 0, listed = 0;
+      for (std::size_t k = 0; k < pieces.size(); ++k)
+        pieces.read(k, [&](const ContactSet& c, std::size_t begin, std::size_t end) {
+          listed += end - begin;
+          for (std::size_t i = begin; i < end; ++i) holding += c.gap[i] < 0.0 || c.force[i].squaredNorm() > 0.0;
+        });
+      const ContactList list(sim.world, pieces);
+      CHECK(list.size() == holding);
+      for (std::size_t k = 0; holding > 0 && k + 1 < list.begins().size(); ++k)
+        list.read(k, [&](const ContactRows& rows) {
+          CHECK((rows.begin() == list.begins()[k] && rows.end() == list.begins()[k + 1]));
+        });
+      ContactSet copy;
+      std::vector<float> residual;
+      list.copy(copy, residual);
+      CHECK(copy.size() == holding);
+      within_reach += listed - holding;
+    }
+    CHECK(run.failure.empty());
+  }
+  CHECK(within_reach > 0);  // or the test would have seen nothing
 }

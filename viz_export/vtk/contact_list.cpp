@@ -3,12 +3,12 @@
 namespace epafi {
 
 std::vector<std::uint32_t> ContactList::acting(const ContactSet& contacts, std::size_t begin, std::size_t end,
-                                               bool own) {
+                                               bool all) {
   std::vector<std::uint32_t> places;
   if (contacts.force.size() != contacts.size()) return places;
   places.reserve(end - begin);
   for (std::size_t i = begin; i < end; ++i)
-    if (own || contacts.gap[i] < 0.0 || contacts.force[i].squaredNorm() != 0.0)
+    if (all || contacts.gap[i] < 0.0 || contacts.force[i].squaredNorm() != 0.0)
       places.push_back(static_cast<std::uint32_t>(i));
   return places;
 }
@@ -19,8 +19,8 @@ ContactList::ContactList(const World& world, const ContactPieces& contacts, std:
   parallel_for(
       rows.size(),
       [&](std::size_t piece) {
-        if (contacts.is_own(piece))
-          rows[piece] = contacts.own_count(piece);
+        if (const auto count = contacts.all_touching(piece))
+          rows[piece] = *count;
         else
           contacts.read(piece, [&](const ContactSet& c, std::size_t begin, std::size_t end) {
             rows[piece] = acting(c, begin, end, false).size();

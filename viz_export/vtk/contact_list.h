@@ -67,14 +67,15 @@ class ContactList {
   void read(std::size_t piece, const F& f) const {
     if (size() == 0) return f(ContactRows{});
     contacts_->read(pieces_[piece], [&](const ContactSet& c, std::size_t begin, std::size_t end) {
-      f(ContactRows(*world_, c, begins_[piece], acting(c, begin, end, all_act_ || contacts_->is_own(pieces_[piece])),
+      const bool all = all_act_ || contacts_->all_touching(pieces_[piece]);
+      f(ContactRows(*world_, c, begins_[piece], acting(c, begin, end, all),
                     residual_.size() == c.size() ? residual_ : std::span<const float>{}));
     });
   }
 
  private:
-  /// Places among `contacts`; of a model's own all.
-  static std::vector<std::uint32_t> acting(const ContactSet& contacts, std::size_t begin, std::size_t end, bool own);
+  /// Places among `contacts` of those that touch or carry force, or of all.
+  static std::vector<std::uint32_t> acting(const ContactSet& contacts, std::size_t begin, std::size_t end, bool all);
   const World* world_ = nullptr;
   std::optional<ContactPieces> contacts_;
   std::span<const float> residual_;

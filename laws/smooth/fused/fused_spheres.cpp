@@ -132,7 +132,10 @@ class FusedModel final : public FusedSpheres {
   }
 
   std::size_t own_parts() const override { return published_ || !blocks_.laid_out() ? 0 : blocks_.blocks().size(); }
-  std::size_t own_count(std::size_t part) const override { return blocks_.blocks()[part].touching; }
+  std::optional<std::size_t> own_count(std::size_t part) const override {
+    if (reach_ > 0.0) return std::nullopt;
+    return blocks_.blocks()[part].listed();
+  }
   void append_gaps(const World& world, std::size_t part, ContactSet& gaps) const override {
     const SphereContacts all(world, blocks_);
     std::size_t at = gaps.size();

@@ -111,9 +111,15 @@ class SphereBlocks {
     double viscous = 0.0;                ///< power lost in the dampers [W]
     double lost = 0.0;                   ///< to plastic deformation or adhesion in the step [J]
     std::array<OrderFreeSum, 3> virial;  ///< force on A times branch, by axis [N m]; in a periodic cell only
-    std::size_t touching = 0;
+    std::size_t touching = 0;            ///< of those listed; none that another process counts or that has broken
     double deepest = 0.0, deepest_relative = 0.0;  ///< overlap [m], over the smaller radius
     void grow_records(std::size_t size, bool rolls);
+    /// Pairs that each_touching() goes through.
+    std::size_t listed() const {
+      std::size_t sum = 0;
+      for (const std::uint8_t eight : touched) sum += static_cast<std::size_t>(std::popcount(eight));
+      return sum;
+    }
     void set_touching(std::uint32_t k) {
       touched[k / pairs_per_byte] |= static_cast<std::uint8_t>(1u << (k % pairs_per_byte));
     }
