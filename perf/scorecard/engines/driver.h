@@ -4,8 +4,8 @@
 /// (solid below n.x = D) and free bodies `sphere R`, `box HX HY HZ` or `hull NV NF x y z ... a b c ...`, each followed
 /// by mass, three moments of inertia, position, orientation w x y z, velocity, angular velocity. EVERY: seconds between
 /// poses, 0: every step. POSES: a file that gets `t TIME` and 13 numbers per body, or - for none.
-/// One run that is not counted (it writes the poses), then whole runs until the steps took 0.05 s of the process' clock
-/// or steps and building 0.5 s; building and start-up stay outside the time. A first run of more than 0.5 s counts
+/// One run that is not counted (it writes the poses), then whole runs until the steps took 0.2 s of the process' clock
+/// or steps and building 1 s; building and start-up stay outside the time. A first run of more than 0.5 s counts
 /// itself, without its writing. Prints one line of JSON.
 #pragma once
 #include <algorithm>
@@ -193,7 +193,7 @@ inline int run(int argc, char** argv, const Make& make) {
   const double begin = processor_seconds();
   double sum = once > 0.5 ? once : 0.0;
   long runs = once > 0.5 ? 1 : 0;
-  while (runs == 0 || (once <= 0.5 && sum < 0.05 && processor_seconds() - begin < 0.5)) {
+  while (runs == 0 || (once <= 0.5 && sum < 0.2 && processor_seconds() - begin < 1.0)) {
     auto engine = make(scene, options);
     sum += run_once(*engine, scene.bodies.size(), steps, options.dt, every, nullptr);
     ++runs;

@@ -70,6 +70,8 @@ def main():
         with open(script, "w") as f:
             f.write(INSIDE % dict(here=HERE, words=sys.argv[1:]))
         done = subprocess.run(["yade", "-n", "-x", "-j1", script], capture_output=True, text=True)
+    if done.returncode < 0:  # its limit of processor time, say, is ours
+        os.kill(os.getpid(), -done.returncode)
     found = re.search(r"^RESULT (\S+) (\S+)$", done.stdout, re.M)
     if not found:
         raise SystemExit("yade: " + " ".join((done.stdout + done.stderr).split("\n")[-4:]))
