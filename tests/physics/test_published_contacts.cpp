@@ -123,6 +123,8 @@ method = "smooth"
 restitution = {}
 friction = 0.8
 smooth = {{ law = "{}", work_of_adhesion = {} }}
+[shape.grain]
+sphere = {{ radius = 0.005 }}
 [[body]]
 name = "cup"
 shape = {{ tube = {{ radius = 0.03, length = 0.4, ends = "closed" }} }}
@@ -131,7 +133,7 @@ material = "b"
 fixed = true
 [[fill]]
 name = "grains"
-shape = {{ sphere = {{ radius = 0.005 }} }}
+shape = "grain"
 material = "a"
 count = 30
 region = {{ box = {{ min = [-0.02, -0.02, 0.005], max = [0.02, 0.02, 0.18] }} }}
