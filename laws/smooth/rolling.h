@@ -49,7 +49,7 @@ struct AnyRolling {
   EPAFI_LANES static Real limit(const ParametersOf<Real>& p, const RollingStepOf<Real>& s) {
     return p.type == Type::viscous ? Real{} + infinity : p.friction * s.radius * s.normal_force;
   }
-  /// Its dashpot is chosen by what would stop the spin within the step.
+  /// Its dashpot is chosen by what would stop the spin within some steps.
   template <class Real>
   static bool stops_at_once(const ParametersOf<Real>& p) {
     return p.type == Type::constant;
@@ -58,10 +58,12 @@ struct AnyRolling {
   EPAFI_LANES static Real damping(const ParametersOf<Real>& p, const RollingStepOf<Real>& s) {
     const Real moment = p.friction * s.radius * s.normal_force;
     switch (p.type) {
-      // a moment that would turn the spin round within the step only stops it: no chatter at rest
+      // A moment that would turn the spin round within the step only slows it: nothing chatters at rest. Up to twelve
+      // contacts turn one sphere, by velocities half a step ahead: with a sixth for each, packings gained energy.
       case Type::constant: {
         const auto turns = s.spin > Real{};
-        const Real stop = s.dt > 0.0 ? s.inertia / s.dt : Real{} + infinity, spin = turns ? s.spin : Real{} + 1.0;
+        const Real stop = s.dt > 0.0 ? 0.125 * s.inertia / s.dt : Real{} + infinity;
+        const Real spin = turns ? s.spin : Real{} + 1.0;
         return turns ? min(moment / spin, stop) : Real{};
       }
       case Type::viscous:
