@@ -40,6 +40,7 @@ PatchGrid cells_of(const PatchCase& c, const Ellipse& e) {
   return g;
 }
 
+/// Those that `to` does not hold yet.
 void add_reasons(std::vector<std::string>& to, const std::vector<std::string>& from) {
   for (const auto& r : from)
     if (std::find(to.begin(), to.end(), r) == to.end()) to.push_back(r);
@@ -67,6 +68,7 @@ void add_normal(PatchResult& out, const RegionPatch& rp, const std::vector<Conta
   out.approach = std::max(out.approach, p.approach);
   out.error_estimate = std::max(out.error_estimate, p.error_estimate);
   add_reasons(out.reasons, p.reasons);
+  add_reasons(out.notes, p.notes);
 }
 
 /// Contacts that lie on tangents beyond the points of a profile.

@@ -11,7 +11,9 @@
 #include <set>
 #include <sstream>
 
+#include "scenes/cli/commands.h"
 #include "scenes/patch/evaluate_patch.h"
+#include "tests/support/captured.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;
@@ -316,4 +318,31 @@ TEST_CASE("what is wrong with a case is named with its place", "[scenes][wheel_r
   CHECK(problems("[material.steel]\nshear_modulus = 82e9\npoissons_ratio = 0.28\n[patch]\nload = 1\nsemi_axes = { a = "
                  "1, b = 1 }\ntangential = \"polach\"\n")
             .find("missing key 'friction'") != std::string::npos);
+}
+
+TEST_CASE("patch prints rows of CSV, JSON and a table that say the same, into a file where asked",
+          "[scenes][wheel_rail]") {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "case.toml").string();
+  std::ofstream(file) << head << "[patch]\nload = 5e4\nsemi_axes = { a = 6e-3, b = 4e-3 }\n"
+                      << "creepage = { longitudinal = 1e-3 }\ntangential = [\"polach\", \"fastsim\"]\n";
+  const auto printed = [&](PatchOptions o) { return captured([&] { return command_patch({file, {}}, o); }).out; };
+  const std::string csv = printed({});
+  std::istringstream lines(csv);
+  std::string names, row;
+  std::getline(lines, names);
+  std::getline(lines, row);
+  CHECK(names ==
+        "normal,tangential,normal_force,approach,max_pressure,area,fx,fy,mz,stick_share,wear_number,milliseconds,"
+        "error_estimate,valid,reasons");
+  CHECK(row.starts_with("hertz,polach,50000,"));
+  CHECK(std::count(csv.begin(), csv.end(), '\n') == 3);
+  CHECK_THAT(printed({.json = true}), Catch::Contains("\"wear_number\"") && Catch::StartsWith("["));
+  CHECK_THAT(printed({.table = true}), Catch::Contains("Fx [N]"));
+  const std::string out = (folder / "rows.csv").string();
+  CHECK(printed({.out = out}).empty());
+  std::ifstream in(out);
+  const std::string written(std::istreambuf_iterator<char>(in), {});
+  CHECK(written.substr(0, written.find("hertz,polach,50000,")) == csv.substr(0, csv.find("hertz,polach,50000,")));
+  CHECK(std::count(written.begin(), written.end(), '\n') == 3);
 }
