@@ -320,6 +320,29 @@ TEST_CASE("what is wrong with a case is named with its place", "[scenes][wheel_r
             .find("missing key 'friction'") != std::string::npos);
 }
 
+TEST_CASE("a grid for boundary elements leaves finite elements to their own, with a note",
+          "[scenes][wheel_rail][long]") {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> axis(0.3, 0.9), load(5e3, 8e4);
+  for (int k = 0; k < 2; ++k) {
+    const std::string both = fmt::format("load = {:.6g}\nradii = {{ x1 = {:.4g}, x2 = inf, y1 = inf, y2 = {:.4g} }}\n",
+                                         load(random), axis(random), axis(random));
+    const auto fine = run(both + "normal = [\"hertz\", \"fem\"]\ngrid = { dx = 1e-4, dy = 1e-4 }\n");
+    INFO(both);
+    REQUIRE(fine[1].notes.size() == 1);
+    CHECK_THAT(fine[1].notes[0], Catch::Contains("at most 24 across"));
+    CHECK(fine[1].reasons.empty());
+    // of eight elements: within a hundredth of Hertz, as the error estimate says
+    CHECK(fine[1].error_estimate == 0.01);
+    CHECK(fine[1].max_pressure == Approx(fine[0].max_pressure).epsilon(0.01));
+    CHECK(fine[1].approach == Approx(fine[0].approach).epsilon(0.01));
+    if (k > 0) continue;
+    const auto own = run(both + "normal = \"fem\"\n");
+    CHECK(own[0].notes.empty());
+    CHECK(own[0].max_pressure == fine[1].max_pressure);
+  }
+}
+
 TEST_CASE("patch prints rows of CSV, JSON and a table that say the same, into a file where asked",
           "[scenes][wheel_rail]") {
   const TemporaryFolder folder;
