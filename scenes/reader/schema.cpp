@@ -132,11 +132,14 @@ std::vector<Field> servo_fields() {
       optional("force", "F", "N", Kind::number, positive, "force to press with, or stress and area"),
       optional("stress", "", "Pa", Kind::number, positive, "stress to press with"),
       optional("area", "", "m^2", Kind::number, positive, "area that the stress acts on"),
-      required("direction", "", "", Kind::vec3, {}, "it presses along this, any length"),
-      optional("mass", "m", "kg", Kind::number, positive, "inertia of the wall; not with gains"),
+      optional("direction", "", "", Kind::vec3, {},
+               "it presses along this, any length; with gravity where not written"),
+      optional("mass", "m", "kg", Kind::number, positive,
+               "inertia of the wall; the body's own where not written; not with gains"),
       optional("gains", "", "", Kind::numbers, {},
                "proportional [m/(N s)] and integral [m/(N s^2)] of a PI loop, which carries the force while it moves"),
-      required("max_speed", "", "m/s", Kind::number, positive, "speed without resistance")};
+      optional("max_speed", "v", "m/s", Kind::number, positive,
+               "speed without resistance; sqrt(F d/m) where not written, d the smallest free body's diameter")};
 }
 
 std::vector<Field> motion_fields() {
