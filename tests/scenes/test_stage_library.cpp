@@ -246,6 +246,41 @@ TEST_CASE("a servo plate clamps a pile with its force, which wall and floor give
   }
 }
 
+TEST_CASE("bodies_removed counts what stages, times and the domain take out, free or fixed", "[scenes][stages]") {
+  std::mt19937 random(8);
+  std::uniform_int_distribution<int> some(0, 3);
+  for (int trial = 0; trial < 8; ++trial) {
+    const int free = some(random), fixed = some(random), timed = some(random), leaving = 1 + some(random);
+    const auto bodies = [](const char* name, int count, double height, const std::string& more) {
+      return count == 0 ? std::string()
+                        : fmt::format(
+                              "[[body]]\nname = \"{}\"\nrepeat = {}\nshape = {{ sphere = {{ radius = 0.01 }} }}\n"
+                              "material = \"m\"\nposition = [\"= 0.1*i\", 0, {}]\n{}",
+                              name, count, height, more);
+    };
+    std::string taken;
+    if (free > 0) taken += "body.free = { remove = true }\n";
+    if (fixed > 0) taken += "body.fixed = { remove = true }\n";
+    const std::string text =
+        "[run]\noutput_interval = 0.01\n[world]\ndomain = { min = [-1, -1, -1], max = [1, 1, 1], "
+        "outside = \"delete\" }\n[contact]\nmethod = \"smooth\"\nrestitution = 1\nfriction = 0\n[material.m]\n"
+        "density = 1000\nyoungs_modulus = 1e6\npoissons_ratio = 0.3\n" +
+        bodies("free", free, 0.1, "") + bodies("fixed", fixed, 0.2, "fixed = true\n") +
+        bodies("timed", timed, 0.3, "fixed = true\nremove_at = 0.005\n") +
+        bodies("leaving", leaving, 0.9, "velocity = [0, 0, 20]\n") + bodies("staying", 2, -0.5, "") +
+        "[[stage]]\nname = \"a\"\nduration = 0.02\n[[stage]]\nname = \"b\"\nduration = 0.2\n" + taken;
+    INFO(text);
+    const TemporaryFolder folder;
+    ReadResult read = read_scene_text(text, "scene.toml", {}, full_registry());
+    REQUIRE(read.scene);
+    Session session(assemble(std::move(*read.scene)), {}, folder / "out");
+    REQUIRE(session.run({}, true) == Ending::completed);
+    const RunSummary summary = session.summary();
+    CHECK(summary.bodies_removed == static_cast<std::uint64_t>(free + fixed + timed + leaving));
+    CHECK(summary.bodies_lost == 0);
+  }
+}
+
 TEST_CASE("a servo with a force alone presses along gravity with its body's own mass", "[scenes][stages]") {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> force(5.0, 50.0), size(0.05, 0.1);
