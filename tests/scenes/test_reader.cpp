@@ -1,5 +1,6 @@
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "scenes/reader/scene_reader.h"
 
@@ -271,4 +272,28 @@ TEST_CASE("every starter scene reads without a problem", "[scenes][reader]") {
     CHECK(result.scene);
   }
   CHECK_THROWS_WITH(starter_scene("hoper"), "error: there is no starter scene 'hoper'; did you mean 'hopper'?");
+}
+
+TEST_CASE("one scene runs by both methods: what belongs to the other one is a warning", "[scenes][reader]") {
+  const std::string scene =
+      "[run]\nduration = 1\nscheme = \"velocity-verlet\"\n[contact]\nmethod = \"smooth\"\nrestitution = 1\n"
+      "friction = 0\n[contact.smooth]\nlaw = \"hertz\"\n[contact.nonsmooth]\nsolver = \"pgs\"\n"
+      "[material.a]\ndensity = 1\n";
+  for (const auto& [method, scheme, expected] :
+       {std::tuple{"smooth", "velocity-verlet", "[contact.nonsmooth] is not used by method 'smooth'"},
+        std::tuple{"nonsmooth", "moreau-jean", "[contact.smooth] is not used by method 'nonsmooth'"}}) {
+    const ReadResult r =
+        read_scene_text(scene, "both.toml", {std::string("contact.method=") + method}, full_registry());
+    REQUIRE(r.scene);
+    CHECK(r.scene->run.scheme.value == scheme);
+    std::string all;
+    for (const Problem& p : r.problems) all += p.to_string() + "\n";
+    CHECK_THAT(all, Catch::Contains(expected));
+    const bool foreign = std::string(method) == "nonsmooth";
+    const std::string of_scheme =
+        "both.toml:3:10: warning: [run] scheme 'velocity-verlet' is not used by method 'nonsmooth', which takes "
+        "'moreau-jean'";
+    CHECK((all.find(of_scheme) != std::string::npos) == foreign);
+    CHECK(r.problems.size() == (foreign ? 2 : 1));
+  }
 }
