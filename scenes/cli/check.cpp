@@ -101,8 +101,7 @@ double predicted_memory(Assembly& a, std::size_t free, std::size_t later, bool p
 }
 
 std::string time_text(const ForetoldTime& time, double present) {
-  if (present < 0.1)
-    return "  wall time     not to be told by the first steps: nearly all bodies are poured in later\n";
+  if (present < 0.1) return "  wall time     unknown: nearly all bodies are poured in after the first steps\n";
   return fmt::format(
       "  processor     about {:.3g} s: {:.3g} s of steps, by the first ones and the contacts to come, {:.3g} s of "
       "output\n"

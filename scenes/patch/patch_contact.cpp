@@ -206,10 +206,10 @@ std::vector<RegionPatch> PatchContactSolver::solve(const std::string& model, con
   if (!missing_.empty()) return {none()};
   if (too_shallow()) {
     RegionPatch p;
-    p.patch.reasons.push_back(
-        fmt::format("an approach of {:.3g} m is below {:.0e} m, the least that profiles tell from their own rounding; "
-                    "give a larger load or approach, or radii",
-                    wheel_->approach, least_approach));
+    p.patch.reasons.push_back(fmt::format(
+        "an approach of {:.3g} m is less than {:.0e} m, below which the gaps of profiles are rounding errors; "
+        "give a larger load or approach, or radii",
+        wheel_->approach, least_approach));
     return {p};
   }
   if (!wheel_ && !quadratic_) return {line(model, target)};

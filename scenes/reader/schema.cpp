@@ -176,7 +176,7 @@ Field repeat_field(const char* help) { return optional("repeat", "", "", Kind::i
 Field place_field() {
   return with_default(
       word("place",
-           "what position speaks of: the centre of mass, or the origin of the file or of the written corners; "
+           "what position refers to: the centre of mass, or the origin of the file or of the written corners; "
            "orientation is "
            "that of the axes of file or corners in both, a mesh or plane that does not move always stands as drawn",
            {"centre", "as-drawn"}),
@@ -319,7 +319,7 @@ TableSchema measure_table(const Registry& registry) {
               repeat_field("number of copies n (index i) or [l, m, n]; a body's name may be \"ball[i]\""),
               word("kind", "what is measured", names_of(registry.measures)),
               optional("interval", "", "s", Kind::number, not_negative,
-                       "time between values; 0 is every step; where not written, every step is looked at and "
+                       "time between values; 0 is every step; where not written, every step is evaluated and "
                        "10 000 at most are written"),
               optional("group", "", "", Kind::text, {}, "name of a group of bodies, in place of body")} +
               as_optional(united_fields(registry.measures))};
