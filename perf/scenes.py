@@ -14,26 +14,13 @@ import subprocess
 import sys
 import tempfile
 
-HEAD = """[run]
-duration = 10.0
-time_step = 5e-5
-output_interval = 100.0
-[material.bead]
-density = 2500.0
-youngs_modulus = 5e6
-poissons_ratio = 0.3
-[contact]
-method = "smooth"
-restitution = {restitution}
-friction = {friction}
-smooth = {{ law = "hertz-mindlin" }}
-[shape.ball]
-sphere = {{ radius = 0.0025 }}
-"""
+import granular_scene
+
+BALL = "[shape.ball]\nsphere = { radius = 0.0025 }\n"
 
 
-def head(restitution=0.6, friction=0.5):
-    return HEAD.format(restitution=restitution, friction=friction)
+def head(restitution=0.6, friction=0.5, time_step=5e-5):
+    return granular_scene.head(time_step, restitution=restitution, friction=friction) + BALL
 
 
 def fill(count, low, high, more=""):
@@ -49,13 +36,7 @@ region = {{ box = {{ min = {low}, max = {high} }} }}
 
 
 def plane(name, normal, point, state="fixed = true"):
-    return f"""[[body]]
-name = "{name}"
-shape = {{ half_space = {{ normal = {normal} }} }}
-position = {point}
-material = "bead"
-{state}
-"""
+    return granular_scene.plane(normal, point, name, state)
 
 
 def box(edge):
@@ -106,7 +87,7 @@ def cell(edge, count, more, velocity="", **law):
 
 def bodies_bed(shape, count, size, step, scale=None):
     """Bodies of one shape, settled in a box six of them wide; size: of the box around one [m]."""
-    edge, text = size * 1.05 * math.ceil((count / 4) ** (1 / 3)), head().replace("5e-5", str(step)) + GRAVITY
+    edge, text = size * 1.05 * math.ceil((count / 4) ** (1 / 3)), head(time_step=step) + GRAVITY
     text = text.replace("[shape.ball]\nsphere = { radius = 0.0025 }", "[shape.ball]\n" + shape + (
         f"\nscale_to_diameter = {scale}" if scale else ""))
     fill_text = fill(count, [0, 0, 1e-4], [edge, edge, 14 * edge])

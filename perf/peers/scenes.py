@@ -15,41 +15,20 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 
 import numpy
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import granular_scene
+from granular_scene import BEAD, plane
 from runs import options, peer, print_table, resumed, take_turns
 
 NU, RADIUS = 0.3, 0.0025
-HEAD = """[run]
-duration = {duration}
-time_step = {dt}
-output_interval = 100.0
-[world]
-gravity = {gravity}
-{domain}
-[material.bead]
-density = 2500.0
-youngs_modulus = 5e6
-poissons_ratio = 0.3
-[material.soft]
-density = 2000.0
-youngs_modulus = 2.5e6
-poissons_ratio = 0.3
-[contact]
-method = "smooth"
-restitution = {restitution}
-friction = {friction}
-smooth = {{ law = "hertz-mindlin" }}
-"""
-
+SOFT = ("soft", 2000.0, 2.5e6)
 
 PAIR = "hertz/material %.9g {e} {nu} tangential mindlin NULL 1.0 {mu} damping tsuji"
 # mean over the atoms of what a figure is made of; the same of Epafi's bodies by numpy
 COLUMNS = {"square": "vx*vx+vy*vy+vz*vz", "x": "x", "z": "z"}
-
-
-def plane(normal, point):
-    return "[[body]]\nshape = { half_space = { normal = %s } }\nposition = %s\nmaterial = \"bead\"\nfixed = true\n" % (list(normal), list(point))
 
 
 def fill(name, shape, count, low, high, more="", material="bead"):
@@ -197,7 +176,8 @@ def write(folder, name, text):
 
 
 def head(case, duration, domain):
-    return HEAD.format(duration=duration, dt=case.dt, gravity=list(case.gravity), domain=domain, restitution=case.restitution, friction=case.friction)
+    world = f"[world]\ngravity = {list(case.gravity)}\n{domain}\n"
+    return granular_scene.head(case.dt, duration, (BEAD, SOFT), case.restitution, case.friction) + world
 
 
 def prepare(name, case, o):
