@@ -176,9 +176,8 @@ Field repeat_field(const char* help) { return optional("repeat", "", "", Kind::i
 Field place_field() {
   return with_default(
       word("place",
-           "what position refers to: the centre of mass, or the origin of the file or of the written corners; "
-           "orientation is "
-           "that of the axes of file or corners in both, a mesh or plane that does not move always stands as drawn",
+           "position is that of the centre of mass, or of the origin of file or corners; meshes and planes that do not "
+           "move stand as drawn",
            {"centre", "as-drawn"}),
       Value(std::string("centre")));
 }
@@ -206,9 +205,8 @@ TableSchema body_table() {
                     Value(false)),
        with_default(
            required("on_rails", "", "", Kind::boolean, {},
-                    "a wheelset stands on the rails of the scene's track at the start, pressed in by its load: "
-                    "height and roll are found, position and orientation give its place along and beside the "
-                    "track, its yaw and the turn of its wheels"),
+                    "a wheelset starts on the rails, pressed in by its load: height and roll are found, the rest of "
+                    "position and orientation is as written"),
            Value(false)),
        with_default(required("position", "x", "m", Kind::vec3, {}, "of what `place` says"), Value(zero)), place_field(),
        optional("orientation", "q", "", Kind::quaternion, {}, "unit quaternion w x y z"),
