@@ -332,9 +332,10 @@ TEST_CASE("a grid for boundary elements leaves finite elements to their own, wit
     REQUIRE(fine[1].notes.size() == 1);
     CHECK_THAT(fine[1].notes[0], Catch::Contains("at most 24 across"));
     CHECK(fine[1].reasons.empty());
-    // of eight elements: within a hundredth of Hertz, as the error estimate says
-    CHECK(fine[1].error_estimate == 0.01);
-    CHECK(fine[1].max_pressure == Approx(fine[0].max_pressure).epsilon(0.01));
+    // of eight elements: as near to Hertz as the error estimate says
+    CHECK(fine[1].error_estimate >= 0.01);
+    CHECK(fine[1].error_estimate < 0.02);
+    CHECK(fine[1].max_pressure == Approx(fine[0].max_pressure).epsilon(fine[1].error_estimate));
     CHECK(fine[1].approach == Approx(fine[0].approach).epsilon(0.01));
     if (k > 0) continue;
     const auto own = run(both + "normal = \"fem\"\n");
@@ -368,4 +369,18 @@ TEST_CASE("patch prints rows of CSV, JSON and a table that say the same, into a 
   const std::string written(std::istreambuf_iterator<char>(in), {});
   CHECK(written.substr(0, written.find("hertz,polach,50000,")) == csv.substr(0, csv.find("hertz,polach,50000,")));
   CHECK(std::count(written.begin(), written.end(), '\n') == 3);
+}
+
+TEST_CASE("finite elements say how far they miss two hills of pressure", "[scenes][wheel_rail][long]") {
+  // S1002 on UIC60 without cant: the head's arcs make two hills, of which 8 elements hold one; boundary elements beside
+  const std::string text = head +
+                           "[shape.wheel]\nwheel_profile = { name = \"s1002\", radius = 0.46 }\n[shape.rail]\n"
+                           "rail_profile = { name = \"uic60\", cant = \"= 1/40\" }\n[patch]\nload = 82.5e3\n"
+                           "lateral_shift = 0.0\nnormal = [\"half-space\", \"fem\"]\n";
+  const PatchReading r = read_patch_text(text, "case.toml", {});
+  REQUIRE(r.patch);
+  const auto both = evaluate_patch(*r.patch);
+  REQUIRE(both.size() == 2);
+  const double off = std::abs(both[1].max_pressure / both[0].max_pressure - 1.0);
+  CHECK(off <= both[1].error_estimate + 2.0 * both[0].error_estimate);
 }

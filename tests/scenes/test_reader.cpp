@@ -224,8 +224,10 @@ TEST_CASE("wrong overrides are named by their own text", "[scenes][reader]") {
   const auto said = [](const std::string& text) {
     const auto result = read_scene(scene_folder + "pebbles.toml", {text}, test_registry());
     CHECK_FALSE(result.scene);
-    REQUIRE(result.problems.size() == 1);
-    return result.problems[0].to_string();
+    std::string errors;
+    for (const Problem& p : result.problems)  // the file has tables for both methods, of which one is not used
+      if (p.level == Problem::Level::error) errors += (errors.empty() ? "" : "\n") + p.to_string();
+    return errors;
   };
   CHECK(said("contact.friction=-1") ==
         "--set contact.friction=-1: error: [contact] friction = -1 is outside [0, 10] (coefficient, no unit)");

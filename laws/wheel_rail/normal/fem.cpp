@@ -59,6 +59,7 @@ std::vector<RegionPatch> solve(const NormalInput& in, Enforcement method, bool o
   NormalPatch& p = out.patch;
   const Ellipse e = p.ellipse;
   const double E = in.elastic.effective_modulus(), nu = in.elastic.poissons_ratio, cx = p.centre_x, cy = p.centre_y;
+  const double peak_by_strips = p.max_pressure;
   p = NormalPatch{};
   const int across = elements_across(in, 2.0 * margin * std::min(e.a, e.b), p);
   const BlockMesh mesh = make_block_mesh(cx, cy, margin * e.a, margin * e.b, across, growth_of(across), reach);
@@ -83,6 +84,9 @@ std::vector<RegionPatch> solve(const NormalInput& in, Enforcement method, bool o
     p.stress = std::make_shared<const BlockStress>(block_stresses(mesh, E * (1.0 - nu * nu), nu, gaps.force()));
   // measured against Hertz: 1 % in peak and approach from 8 elements on, up to 1.6 % in the peak over the surface
   p.error_estimate = (over_surface ? 0.02 : 0.01) * std::max(1.0, 64.0 / (across * across));
+  // two hills of pressure take more elements: what strips find beside (10 % of S1002 on UIC60 under 82.5 kN)
+  if (peak_by_strips > 0.0)
+    p.error_estimate = std::max(p.error_estimate, std::abs(p.max_pressure / peak_by_strips - 1.0));
   if (!s.report.converged)
     p.reasons.push_back("contact did not settle: penetration " + std::to_string(1e9 * s.penetration) + " nm after " +
                         std::to_string(s.report.iterations) + " rounds");
