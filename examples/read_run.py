@@ -20,4 +20,5 @@ with h5py.File(sys.argv[1] + "/run.h5", "r") as f:
               (s.attrs["time"], free.sum(), speed[free].max() if free.any() else 0.0, s["kinetic_energy"][:].sum()))
     for name in sorted(f["measures"]):
         m = f["measures"][name]
-        print("measure", text(m.attrs["name"]), text(m.attrs["components"]), "last:", m["value"][-1] if len(m["value"]) else "none")
+        print("measure", text(m.attrs["name"]), text(m.attrs["components"]), "last:", m["value"][-1] if len(m["value"])
+              else "none")

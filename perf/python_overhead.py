@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """What stepping from Python costs beside the program: 1000 spheres, 1000 steps, one array looked at after every step.
    PYTHONPATH=build/python /usr/bin/python3 perf/python_overhead.py build/bin/epafi
-Processor time on one thread, alternating, the least of several runs of each; the hash shows that both did the same work."""
+Processor time on one thread, alternating, the least of several runs of each; the hash shows that both did the same
+work."""
 import json
 import subprocess
 import sys
@@ -26,7 +27,8 @@ def by_python(look):
 
 def by_program():
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.argv[1], "run", SCENE, "--steps", str(STEPS), "-t", "1", "-q", "--json", "--least-output", "-o", folder + "/o"]
+        command = [sys.argv[1], "run", SCENE, "--steps", str(STEPS), "-t", "1", "-q", "--json", "--least-output", "-o",
+                   folder + "/o"]
         for s in SETS:
             command += ["--set", s]
         s = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)

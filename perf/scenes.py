@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What a step costs for every kind of body, wall, cell and source: rows as multiples of the settled bed in the same run,
-by body and step and by contact.
+"""What a step costs for every kind of body, wall, cell and source: rows as multiples of the settled bed in the same
+run, by body and step and by contact.
    python3 perf/scenes.py build/bin/epafi [part of a row's name ...]
 Each scene is settled, then resumed for some steps and for three times as many: the difference of the processor times on
 one thread is that of the steps alone, and the two beds before and after a row say how busy the machine was. Beside
@@ -14,26 +14,13 @@ import subprocess
 import sys
 import tempfile
 
-HEAD = """[run]
-duration = 10.0
-time_step = 5e-5
-output_interval = 100.0
-[material.bead]
-density = 2500.0
-youngs_modulus = 5e6
-poissons_ratio = 0.3
-[contact]
-method = "smooth"
-restitution = {restitution}
-friction = {friction}
-smooth = {{ law = "hertz-mindlin" }}
-[shape.ball]
-sphere = {{ radius = 0.0025 }}
-"""
+import granular_scene
+
+BALL = "[shape.ball]\nsphere = { radius = 0.0025 }\n"
 
 
-def head(restitution=0.6, friction=0.5):
-    return HEAD.format(restitution=restitution, friction=friction)
+def head(restitution=0.6, friction=0.5, time_step=5e-5):
+    return granular_scene.head(time_step, restitution=restitution, friction=friction) + BALL
 
 
 def fill(count, low, high, more=""):
@@ -49,17 +36,12 @@ region = {{ box = {{ min = {low}, max = {high} }} }}
 
 
 def plane(name, normal, point, state="fixed = true"):
-    return f"""[[body]]
-name = "{name}"
-shape = {{ half_space = {{ normal = {normal} }} }}
-position = {point}
-material = "bead"
-{state}
-"""
+    return granular_scene.plane(normal, point, name, state)
 
 
 def box(edge):
-    walls = [("x", [1, 0, 0], 0), ("X", [-1, 0, 0], edge), ("y", [0, 1, 0], 0), ("Y", [0, -1, 0], edge), ("z", [0, 0, 1], 0)]
+    walls = [("x", [1, 0, 0], 0), ("X", [-1, 0, 0], edge), ("y", [0, 1, 0], 0), ("Y", [0, -1, 0], edge),
+             ("z", [0, 0, 1], 0)]
     return "".join(plane(name, n, [edge if k == d and c > 0 else 0 for k in range(3)] if c else [0, 0, 0])
                    for name, n, c in walls for d in [[abs(v) for v in n].index(1)])
 
@@ -106,7 +88,7 @@ def cell(edge, count, more, velocity="", **law):
 
 def bodies_bed(shape, count, size, step, scale=None):
     """Bodies of one shape, settled in a box six of them wide; size: of the box around one [m]."""
-    edge, text = size * 1.05 * math.ceil((count / 4) ** (1 / 3)), head().replace("5e-5", str(step)) + GRAVITY
+    edge, text = size * 1.05 * math.ceil((count / 4) ** (1 / 3)), head(time_step=step) + GRAVITY
     text = text.replace("[shape.ball]\nsphere = { radius = 0.0025 }", "[shape.ball]\n" + shape + (
         f"\nscale_to_diameter = {scale}" if scale else ""))
     fill_text = fill(count, [0, 0, 1e-4], [edge, edge, 14 * edge])
@@ -126,8 +108,10 @@ ROWS = {  # scene, settled until [s], steps
     "bed": (bed, 0.3, 300),
     "drum of 48 turning planes": (drum, 0.1, 200),
     "drum as one turning tube": (drum_tube, 0.1, 200),
-    "straining cell": (lambda: cell(0.1736465692892682, 20000, ", strain_rate = [-0.8, -0.8, -0.8]", 'method = "random"'), 0.3, 100),
-    "periodic gas": (lambda: cell(0.546952419723944, 50000, "", "velocity_deviation = 1.0", restitution=0.95, friction=0.1), 0.01, 60),
+    "straining cell": (lambda: cell(0.1736465692892682, 20000, ", strain_rate = [-0.8, -0.8, -0.8]",
+                                    'method = "random"'), 0.3, 100),
+    "periodic gas": (lambda: cell(0.546952419723944, 50000, "", "velocity_deviation = 1.0", restitution=0.95,
+                                  friction=0.1), 0.01, 60),
     "pour, 20 000 a second": (pour, 0.3, 200),
     "pour that has ended": (lambda: pour(6000), 0.3, 200),
     "clumps of one ball": (lambda: bodies_bed(clump([(0, 0, 0, 0.0025)]), 1000, 0.005, 2e-5), 0.15, 600),
@@ -136,7 +120,8 @@ ROWS = {  # scene, settled until [s], steps
     "capsules": (lambda: bodies_bed("capsule = { radius = 0.0025, length = 0.005 }", 600, 0.01, 3e-5), 0.15, 600),
     "boxes": (lambda: bodies_bed("box = { size = [0.004, 0.004, 0.004] }", 400, 0.007, 1.6e-5), 0.15, 300),
     "polyhedra of 16 corners": (
-        lambda: bodies_bed("polyhedron = { random = { vertices = 16, seed = 3 } }", 400, 0.0062, 1.4e-5, 0.005), 0.15, 300),
+        lambda: bodies_bed("polyhedron = { random = { vertices = 16, seed = 3 } }", 400, 0.0062, 1.4e-5, 0.005), 0.15,
+        300),
     "cylinders": (lambda: bodies_bed("cylinder = { radius = 0.0025, length = 0.005 }", 300, 0.0071, 2e-5), 0.15, 300),
     "ellipsoids": (lambda: bodies_bed(ROUND, 400, 0.006, 4e-5), 0.15, 300),
     "superquadrics": (lambda: bodies_bed(SQUARE, 200, 0.008, 2e-5), 0.1, 100),

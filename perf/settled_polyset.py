@@ -3,7 +3,8 @@
 
   /usr/bin/python3 perf/settled_polyset.py RUN_FOLDER IN.polyset OUT.polyset
 
-RUN_FOLDER holds run.h5 of a scene whose [[bodies]] come last, such as scenes/library/pile/polyhedra.toml. Needs h5py and numpy.
+RUN_FOLDER holds run.h5 of a scene whose [[bodies]] come last, such as scenes/library/pile/polyhedra.toml. Needs h5py
+and numpy.
 """
 import sys
 

@@ -37,7 +37,8 @@ def plane(name, normal, point, state="fixed = true"):
 
 def walls(half):
     return "".join(plane(f"w{k}", n, p) for k, (n, p) in enumerate([
-        ([1, 0, 0], [-half, 0, 0]), ([-1, 0, 0], [half, 0, 0]), ([0, 1, 0], [0, -half, 0]), ([0, -1, 0], [0, half, 0])]))
+        ([1, 0, 0], [-half, 0, 0]), ([-1, 0, 0], [half, 0, 0]), ([0, 1, 0], [0, -half, 0]),
+        ([0, -1, 0], [0, half, 0])]))
 
 
 def fill(r, count, low, high):
@@ -78,7 +79,8 @@ def pressed_bed(draw, rng):
     force = weight * 10 ** rng.uniform(0, 2)
     draw["press"] = force / weight
     plate = plane("plate", [0, 0, -1], [0, 0, top], servo(force, 0.1 * weight / 9.81, r))
-    return (head(draw, 1.5 * settle_time(r) + top / (9.81 * r) ** 0.5) + plane("floor", [0, 0, 1], [0, 0, 0]) + walls(half) + plate
+    return (head(draw, 1.5 * settle_time(r) + top / (9.81 * r) ** 0.5) + plane("floor", [0, 0, 1],
+                                                                               [0, 0, 0]) + walls(half) + plate
             + fill(r, n, [-half, -half, 0], [half, half, top]))
 
 

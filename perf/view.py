@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""What the viewer costs: page size and memory, time of a picture in a headless Chromium without a graphics processor, and in `epafi render`.
-   /usr/bin/python3 perf/view.py [build/bin/epafi]     measures, writes perf/view.csv and the table of docs/performance/view.md
-   /usr/bin/python3 perf/view.py --table               writes the table again from perf/view.csv
+"""What the viewer costs: page size and memory, time of a picture in a headless Chromium without a graphics processor,
+and in `epafi render`.
+   /usr/bin/python3 perf/view.py [build/bin/epafi]     measures, writes perf/view.csv and the table of
+   docs/performance/view.md /usr/bin/python3 perf/view.py --table               writes the table again from
+   perf/view.csv
 Needs Chromium (SwiftShader draws) and nothing else. Times are of the clock: `load` in the file says what else ran."""
 import base64
 import csv
@@ -16,9 +18,11 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 CSV, TABLE = ROOT / "perf/view.csv", ROOT / "docs/performance/view.md"
-HOPPER = ["scenes/library/hopper/hopper.toml", "--set", "params.open_at=0.3", "--set", "run.duration=0.6", "--set", "run.output_interval=0.006",
+HOPPER = ["scenes/library/hopper/hopper.toml", "--set", "params.open_at=0.3", "--set", "run.duration=0.6", "--set",
+          "run.output_interval=0.006",
           "--set", "run.checkpoint_interval=1"]
-MANY = ["scenes/library/bed/bed.toml", "--set", "params.n=200000", "--set", "run.output_interval=0.002", "--until", "0.02"]
+MANY = ["scenes/library/bed/bed.toml", "--set", "params.n=200000", "--set", "run.output_interval=0.002", "--until",
+        "0.02"]
 COLUMNS = ["what", "value", "unit", "needed", "load"]
 
 
@@ -29,12 +33,15 @@ class Browser:
         self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         to_read, self.to = os.pipe()
         self.answers, from_write = os.pipe()
-        options = ["--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--hide-scrollbars", "--use-angle=swiftshader",
-                   "--enable-unsafe-swiftshader", "--no-first-run", "--disable-extensions", "--disable-background-networking",
+        options = ["--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--hide-scrollbars",
+                   "--use-angle=swiftshader",
+                   "--enable-unsafe-swiftshader", "--no-first-run", "--disable-extensions",
+                   "--disable-background-networking",
                    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", "--force-device-scale-factor=1",
                    f"--user-data-dir={self.profile.name}", f"--window-size={width},{height}"]
         start = f'exec chromium "$@" 3<&{to_read} 4>&{from_write}'
-        self.process = subprocess.Popen(["bash", "-c", start, "bash", *options], pass_fds=(to_read, from_write), stderr=subprocess.DEVNULL)
+        self.process = subprocess.Popen(["bash", "-c", start, "bash", *options], pass_fds=(to_read, from_write),
+                                        stderr=subprocess.DEVNULL)
         os.close(to_read)
         os.close(from_write)
         self.received, self.last, self.session, self.complaints = b"", 0, None, []
@@ -79,7 +86,8 @@ class Browser:
 
     def keep_complaint(self, event):
         method, parameters = event.get("method"), event.get("params", {})
-        if method == "Runtime.exceptionThrown" or (method == "Runtime.consoleAPICalled" and parameters["type"] in ("error", "warning")):
+        if method == "Runtime.exceptionThrown" or (method == "Runtime.consoleAPICalled"
+                                                   and parameters["type"] in ("error", "warning")):
             self.complaints.append(json.dumps(parameters)[:400])
         if method == "Log.entryAdded" and parameters["entry"]["level"] == "error":
             self.complaints.append(parameters["entry"]["text"])
@@ -166,7 +174,8 @@ class Table:
         self.rows = []
 
     def add(self, what, value, unit, needed=""):
-        self.rows.append([what, f"{value:.3g}" if value < 1000 else f"{value:.0f}", unit, needed, f"{os.getloadavg()[0]:.1f}"])
+        self.rows.append([what, f"{value:.3g}" if value < 1000 else f"{value:.0f}", unit, needed,
+                          f"{os.getloadavg()[0]:.1f}"])
         print(*self.rows[-1], sep=", ", flush=True)
 
     def write(self):
@@ -197,8 +206,10 @@ def measure_render(table, epafi, run, folder):
     ffmpeg.chmod(0o755)
     path = {**os.environ, "PATH": f"{folder}:{os.environ['PATH']}"}
     command = [epafi, "render", run, "--size", "1280x720"]
-    films = {every: min(processor_time([*command, "--every", every, "--out", folder / "film.mp4"], env=path) for _ in range(3)) for every in ["100", "10"]}
-    table.add("hopper of 20 000: a frame of a film of 1280x720 by `epafi render`", (films["10"] - films["100"]) / 9, "s of one core", "< 0.5")
+    films = {every: min(processor_time([*command, "--every", every, "--out", folder / "film.mp4"], env=path)
+                        for _ in range(3)) for every in ["100", "10"]}
+    table.add("hopper of 20 000: a frame of a film of 1280x720 by `epafi render`", (films["10"] - films["100"]) / 9,
+              "s of one core", "< 0.5")
     single = min(processor_time([*command, "--out", folder / "picture.png"]) for _ in range(3))
     table.add("the same: one picture, with the program's start and its look at 101 frames", single, "s of one core")
 

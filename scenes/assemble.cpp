@@ -291,6 +291,7 @@ std::unique_ptr<Assembly> assemble(Scene scene, const AssembleOptions& options) 
   if (a->scene.domain) sim.domain = a->scene.domain->value;
   if (a->scene.cell) sim.world.cell = a->scene.cell->cell;
   const bool starts = a->scene.start && a->scene.stage == 0 && !options.place;
+  complete_servos(*a, builder);
   place_all(*a, builder, options);
   a->origins = builder.origins();
   add_loads(*a);

@@ -374,12 +374,18 @@ void carry_forces(const World& there, World& here) {
   }
 }
 
+/// Bodies that the new stage takes out.
+std::uint64_t taken_out(const World& there, const World& here) {
+  return static_cast<std::uint64_t>(
+      std::ranges::count_if(there.id, [&](BodyId id) { return here.slot_of(id) == no_slot; }));
+}
+
 /// Ledger, counts and warnings of the same run.
 void go_on(const Simulation& old, Simulation& sim) {
   sim.ledger = old.ledger;
   sim.work.report = old.work.report;
   sim.continue_at(old.steps(), old.steps_before());
-  sim.add_removed(old.bodies_removed());
+  sim.add_removed(old.bodies_removed() + taken_out(old.world, sim.world));
   sim.take_leaving(old.leaving());
   Warnings all = old.warnings;
   for (const Warning& own : sim.warnings.all()) all.add(own);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "detection/broad/all_broad_phases.h"
 #include "engine/step/drive_lead.h"
@@ -58,6 +59,8 @@ void drive(Assembly& a, BodyId id, const BodySpec& spec, const Vec3& position) {
       events.push_back(std::make_unique<DriveLead>(id, a.simulation->ledger));
   }
   if (!spec.servo) return;
+  if (const Servo& s = spec.servo->servo; !(s.mass > 0.0 && s.max_speed > 0.0 && s.direction.squaredNorm() > 0.0))
+    throw SceneError("motion servo of a body of a fill: write direction, mass and max_speed");
   const double elapsed = a.elapsed(spec.servo->since);
   if (a.scene.contact.method.value == Method::smooth) {
     events.push_back(std::make_unique<ServoEvent>(id, spec.servo->servo, elapsed, a.simulation->ledger));
@@ -104,7 +107,51 @@ void look_for_outsiders(Assembly& a, const GroupSpec& group) {
 /// A number without a body.
 BodyId leave_out(Assembly& a) { return a.simulation->world.reserve(); }
 
+/// Diameter of the smallest free body [m]; 0 where there is none.
+double smallest_diameter(const Scene& scene, ShapeBuilder& builder) {
+  double radius = infinity;
+  for (const BodySpec& b : scene.bodies)
+    if (b.moves()) radius = std::min(radius, builder.build(b.shape, b.size).radius);
+  for (const FillSpec& fill : scene.fills)
+    for (const std::size_t shape : fill.shapes)
+      radius = std::min(radius, builder.build(shape, fill.size ? fill.size->min : 1.0).radius);
+  return std::isfinite(radius) ? 2.0 * radius : 0.0;
+}
+
+/// Mass that the body would have if it were free [kg].
+double own_mass(const Assembly& a, const BodySpec& spec, ShapeBuilder& builder, const Place& place) {
+  const BuiltShape shape = builder.build(spec.shape, spec.size);
+  if (shape.mass > 0.0) return shape.mass;
+  if (!(shape.volume > 0.0))
+    throw SceneError("motion servo: write mass, the inertia of the wall; a " + a.scene.shapes[spec.shape].type +
+                         " has none of its own",
+                     place);
+  return shape.volume * density(a.scene, spec.material, place);
+}
+
 }  // namespace
+
+void complete_servos(Assembly& a, ShapeBuilder& builder) {
+  for (BodySpec& b : a.scene.bodies) {
+    if (!b.servo || b.absent) continue;
+    ServoSpec spec = *b.servo;
+    Servo& s = spec.servo;
+    const Place& place = a.scene.groups[b.group].place;
+    if (s.direction.isZero(0.0)) s.direction = a.scene.gravity.normalized();
+    if (s.direction.isZero(0.0))
+      throw SceneError("motion servo: write direction; there is no constant gravity to press along", place);
+    const bool asks_mass = !(s.mass > 0.0) || (s.has_gains() && !(s.max_speed > 0.0));
+    const double mass = asks_mass ? own_mass(a, b, builder, place) : s.mass;
+    if (!(s.mass > 0.0)) s.mass = mass;
+    if (!(s.max_speed > 0.0)) {
+      const double diameter = smallest_diameter(a.scene, builder);
+      if (!(diameter > 0.0))
+        throw SceneError("motion servo: write max_speed; there is no free body that it could follow from", place);
+      s.max_speed = std::sqrt(s.force * diameter / mass);
+    }
+    b.servo = spec;
+  }
+}
 
 namespace {
 

@@ -6,6 +6,11 @@
 
 namespace epafi {
 
+/// Gives servo walls what the scene does not write: they press with gravity, have the mass of their body and close in
+/// at most at sqrt(F d/m), which they reach from rest over half the diameter d of the smallest free body. Before the
+/// bodies are added.
+void complete_servos(Assembly& assembly, ShapeBuilder& builder);
+
 /// The bodies of the tables that a stage brings.
 void add_bodies(Assembly& assembly, ShapeBuilder& builder, std::size_t stage);
 

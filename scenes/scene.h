@@ -109,7 +109,7 @@ struct MotionSpec {
   Since since;
 };
 
-/// motion = { servo = { ... } }
+/// motion = { servo = { ... } }. Until complete_servos() what is not written of direction, mass and max_speed is 0.
 struct ServoSpec {
   Servo servo;
   Since since;

@@ -366,6 +366,14 @@ TimeStep choose_time_step(const Assembly& a) {
 
 std::string chosen_text(const Assembly& a) {
   std::string out = fmt::format(" time step: {:.4g} s: {}\n", a.time_step.value, a.time_step.reason);
+  for (std::size_t k = 0; k < a.scene.bodies.size(); ++k) {
+    const BodySpec& b = a.scene.bodies[k];
+    if (!b.servo || b.absent) continue;
+    const Servo& s = b.servo->servo;
+    out += fmt::format(" servo of '{}': {:.4g} N along ({:.3g}, {:.3g}, {:.3g}), {}at most {:.4g} m/s\n",
+                       body_name(a.scene, k), s.force, s.direction.x(), s.direction.y(), s.direction.z(),
+                       s.has_gains() ? "" : fmt::format("mass {:.4g} kg, ", s.mass), s.max_speed);
+  }
   const ContactSettings& c = a.scene.contact;
   if (c.method.value != Method::nonsmooth) return out;
   const std::string impact = c.nonsmooth.has("impact") ? c.nonsmooth.text("impact") : "energetic";

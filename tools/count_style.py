@@ -4,10 +4,11 @@
   tools/count_style.py [--list KIND] [--links]
 
 Prints: functions over 50 lines, files over 500 lines, comma chains, lines over 120 characters, commit subjects over 72
-characters, words per page, table cells over 25 words, links without a target, pages with other figures than the table. --list KIND names the places of one kind;
+characters, words per page, table cells over 25 words, links without a target, pages with other figures than the table.
+--list KIND names the places of one kind;
 --links alone checks links and ends with 1 where a page, picture or heading is missing. Reads text only; functions are
-found by indentation (a body from a brace at the end of an unindented line to a brace in column 1), so that class members
-and lambdas are not counted by themselves.
+found by indentation (a body from a brace at the end of an unindented line to a brace in column 1), so that class
+members and lambdas are not counted by themselves.
 """
 import argparse
 import functools

@@ -15,7 +15,8 @@ A table stands in a page below its pattern, a comment:
   | bed | time | ...
   <!-- end of figures -->
 
-{CASE, MACHINE, CODE} becomes the median; {CASE, MACHINE, CODE, range} the median with the smallest and largest in brackets.
+{CASE, MACHINE, CODE} becomes the median; {CASE, MACHINE, CODE, range} the median with the smallest and largest in
+brackets.
 """
 import argparse
 import csv
@@ -85,7 +86,8 @@ def main():
         new = filled(text, figures, used)
         if new == text:
             continue
-        faults.append("%s holds other figures than %s: run tools/figures.py" % (page.relative_to(ROOT), TABLE.relative_to(ROOT)))
+        faults.append("%s holds other figures than %s: run tools/figures.py" %
+                      (page.relative_to(ROOT), TABLE.relative_to(ROOT)))
         if not o.check:
             page.write_text(new)
     faults = faults if o.check else []

@@ -1,12 +1,14 @@
-"""Opens a run in ParaView ready to look at: spheres as glyphs with their radius, bodies coloured by speed, walls transparent,
-contacts as lines by their force.
+"""Opens a run in ParaView ready to look at: spheres as glyphs with their radius, bodies coloured by speed, walls
+transparent, contacts as lines by their force.
 
   EPAFI_RUN=out/hopper paraview --script=tools/paraview_view.py
-  EPAFI_RUN=out/hopper EPAFI_STATE=out/hopper/view.pvsm pvpython tools/paraview_view.py    # then: paraview out/hopper/view.pvsm
-  EPAFI_RUN=out/hopper EPAFI_PNG=hopper.png EPAFI_MOVIE=hopper.ogv xvfb-run -a -w 5 -s "-screen 0 1280x1024x24" pvpython tools/paraview_view.py
+  EPAFI_RUN=out/hopper EPAFI_STATE=out/hopper/view.pvsm pvpython tools/paraview_view.py    # then: paraview
+  out/hopper/view.pvsm EPAFI_RUN=out/hopper EPAFI_PNG=hopper.png EPAFI_MOVIE=hopper.ogv xvfb-run -a -w 5 -s "-screen 0
+  1280x1024x24" pvpython tools/paraview_view.py
 
-EPAFI_STATE: a state file that opens the run (by its absolute path) with one click. EPAFI_PNG: a picture of the last frame.
-EPAFI_MOVIE: all frames (.ogv or .avi). pvpython draws into X11 windows: without a display, start it under xvfb-run as above.
+EPAFI_STATE: a state file that opens the run (by its absolute path) with one click. EPAFI_PNG: a picture of the last
+frame. EPAFI_MOVIE: all frames (.ogv or .avi). pvpython draws into X11 windows: without a display, start it under
+xvfb-run as above.
 """
 import os
 
@@ -46,7 +48,8 @@ for kind, indices in found.items():
     for index in indices:
         part = block(index)
         if kind == "spheres":
-            glyph = Glyph(Input=part, GlyphType="Sphere", GlyphMode="All Points", ScaleArray=["POINTS", "radius"], ScaleFactor=2.0)
+            glyph = Glyph(Input=part, GlyphType="Sphere", GlyphMode="All Points", ScaleArray=["POINTS", "radius"],
+                          ScaleFactor=2.0)
             glyph.GlyphType.ThetaResolution, glyph.GlyphType.PhiResolution = 12, 10
             ColorBy(Show(glyph, view), ("POINTS", "speed"))
         elif kind == "contacts":

@@ -56,7 +56,8 @@ def largest(name):
 
 
 colours = vtk.vtkColorTransferFunction()
-for share, r, g, b in ((0, .27, .33, .55), (.25, .16, .48, .62), (.5, .2, .65, .5), (.75, .6, .8, .3), (1, .98, .88, .15)):
+for share, r, g, b in ((0, .27, .33, .55), (.25, .16, .48, .62), (.5, .2, .65, .5), (.75, .6, .8, .3),
+                       (1, .98, .88, .15)):
     colours.AddRGBPoint(share * (largest(options.colour) or 1.0), r, g, b)
 
 

@@ -28,6 +28,7 @@ struct NormalPatch {
   std::shared_ptr<const BlockStress> stress;  ///< of finite elements, if asked for
   double error_estimate = 0.0;                ///< relative, of the peak pressure
   std::vector<std::string> reasons;           ///< why it should not be trusted; empty: valid
+  std::vector<std::string> notes;             ///< what was done otherwise than written, and is no less valid
 };
 
 NormalPatch patch_of_hertz(const HertzContact& contact);

@@ -1,22 +1,24 @@
 #!/usr/bin/env python3
-"""The bed of spheres side by side with LAMMPS, LIGGGHTS and YADE, from one settled state, on this machine, taking turns.
+"""The bed of spheres side by side with LAMMPS, LIGGGHTS and YADE, from one settled state, on this machine, taking
+turns.
 
   /usr/bin/python3 perf/peers/bed.py [--n 10000] [--steps 1000] [--repeats 3] [--out out/peers_bed] [--program ./epafi]
 
 Settles scenes/library/bed/bed.toml with Epafi, writes its last snapshot as bodies.csv (Epafi), bed.data and bed.lammps,
-bed.liggghts (those two), and times the same number of steps of 5e-5 s on one thread from there: Hertz-Mindlin with history, double
-precision, five plane walls. A code that is not installed has no row. Prints, and writes to table.md: nanoseconds of processor time per
-sphere and step (median, smallest, largest), and as a check that all did the same work the other spheres that a sphere touches and the
-height of the bed's centre of mass. Epafi's is the time of a run that goes on, of the others the same run without the timed steps is
-subtracted.
-Needs numpy; of Debian: lammps, liggghts, yade.
+bed.liggghts (those two), and times the same number of steps of 5e-5 s on one thread from there: Hertz-Mindlin with
+history, double precision, five plane walls. A code that is not installed has no row. Prints, and writes to table.md:
+nanoseconds of processor time per sphere and step (median, smallest, largest), and as a check that all did the same work
+the other spheres that a sphere touches and the height of the bed's centre of mass. Epafi's is the time of a run that
+goes on, of the others the same run without the timed steps is subtracted. Needs numpy; of Debian: lammps, liggghts,
+yade.
 """
 import os
 import shutil
 
 import numpy
 from bed_input import box_of_planes, lammps_walls, liggghts_walls, script, write_data
-from runs import (export, last_snapshot, options, peer, print_table, resumed, settled, take_turns, touching_neighbours, write_csv,
+from runs import (export, last_snapshot, options, peer, print_table, resumed, settled, take_turns, touching_neighbours,
+                  write_csv,
                   yade_result)
 
 SCENE = "scenes/library/bed/bed.toml"
@@ -46,7 +48,8 @@ def write_inputs(bed, side):
         f.write('contact = { method = "smooth", restitution = %g, friction = %g, smooth = { law = "hertz-mindlin" } }\n' % (RESTITUTION, FRICTION))
         f.write(box_of_planes(side, "bead"))
         f.write('[[bodies]]\nname = "bed"\nfile = "bodies.csv"\nmaterial = "bead"\n')
-        f.write('[[measure]]\nname = "middle"\nkind = "position"\nbody = "bed"\ninterval = %.9g\n' % ((o.warm + o.steps) * STEP))
+        f.write('[[measure]]\nname = "middle"\nkind = "position"\nbody = "bed"\ninterval = %.9g\n' %
+                ((o.warm + o.steps) * STEP))
     write_data(os.path.join(o.out, "bed.data"), bed, side, DENSITY)
 
     def write_input(code, name, contact):
@@ -97,7 +100,8 @@ print("RESULT", seconds, touching / n, height)
 def run_yade():
     """The same of YADE, for fewer steps."""
     steps = max(20, o.steps // 8)
-    values = dict(E=E, nu=NU, density=DENSITY, friction=FRICTION, restitution=RESTITUTION, dt=STEP, side=side, skin=o.skin, warm=o.warm // 4, steps=steps)
+    values = dict(E=E, nu=NU, density=DENSITY, friction=FRICTION, restitution=RESTITUTION, dt=STEP, side=side,
+                  skin=o.skin, warm=o.warm // 4, steps=steps)
     with open(os.path.join(o.out, "bed_yade.py"), "w") as f:
         f.write(YADE % values)
     result = yade_result("bed_yade.py", o.out)
@@ -125,8 +129,10 @@ bed, side = settle()
 write_inputs(bed, side)
 codes = [("Epafi", run_epafi)]
 if shutil.which("lmp"):
-    codes += [("LAMMPS gran/hertz/history", lambda: peer(["lmp", "-log", "none", "-in", "history.lammps"], o.steps, o.n, o.out)),
-              ("LAMMPS granular (Mindlin, Tsuji)", lambda: peer(["lmp", "-log", "none", "-in", "granular.lammps"], o.steps, o.n, o.out))]
+    codes += [("LAMMPS gran/hertz/history", lambda: peer(["lmp", "-log", "none", "-in", "history.lammps"], o.steps, o.n,
+                                                         o.out)),
+              ("LAMMPS granular (Mindlin, Tsuji)",
+               lambda: peer(["lmp", "-log", "none", "-in", "granular.lammps"], o.steps, o.n, o.out))]
 if shutil.which("liggghts"):
     codes.append(("LIGGGHTS", lambda: peer(["liggghts", "-log", "none", "-in", "bed.liggghts"], o.steps, o.n, o.out)))
 if shutil.which("yade"):

@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
 """Time and memory of a pile of convex polyhedra by their number: copies of one settled pile side by side.
 
-  /usr/bin/python3 perf/peers/growth_polyhedra.py [--numbers 1000 5000 10000 20000 50000] [--warm 240] [--steps 60] [--set KEY=VALUE ...]
+  /usr/bin/python3 perf/peers/growth_polyhedra.py [--numbers 1000 5000 10000 20000 50000] [--warm 240] [--steps 60]
+  [--set KEY=VALUE ...]
                                                   [--out out/growth_polyhedra] [--program ./epafi]
 
-Settles scenes/library/pile/polyhedra.toml (1000 stones, pgs with 50 sweeps, dt 1/240 s) and sets copies on one floor, walls of 0.2 m between
-them. The first `warm` steps, in which the copies settle anew, and the `steps` after them (the same run resumed) are timed on one thread, without
-output. Prints, and writes to table.md: for both microseconds per body and step and sweeps per step (fewer where the
-tolerance is met), the first over that of the smallest number, milliseconds per step at the end, contacts per body, the peak of the
-process over the number of bodies and what `epafi explain` foretells (without program, output, drawn surfaces and room to grow); beside them what the runs got right: largest and mean overlap in percent of the radius, kinetic energy
-as a velocity (root of 2 E / m), bodies lost.
+Settles scenes/library/pile/polyhedra.toml (1000 stones, pgs with 50 sweeps, dt 1/240 s) and sets copies on one floor,
+walls of 0.2 m between them. The first `warm` steps, in which the copies settle anew, and the `steps` after them (the
+same run resumed) are timed on one thread, without output. Prints, and writes to table.md: for both microseconds per
+body and step and sweeps per step (fewer where the tolerance is met), the first over that of the smallest number,
+milliseconds per step at the end, contacts per body, the peak of the process over the number of bodies and what `epafi
+explain` foretells (without program, output, drawn surfaces and room to grow); beside them what the runs got right:
+largest and mean overlap in percent of the radius, kinetic energy as a velocity (root of 2 E / m), bodies lost.
 """
 import argparse
 import os
@@ -38,12 +40,16 @@ BETWEEN = '{ shape = { box = { size = [%.17g, %.17g, 4] } }, material = "stone",
 
 def settled(program, out):
     """Of each of the 1000 bodies at rest the words of its first line and its other lines; the side of their box [m]."""
-    run, polyset, source = os.path.join(out, "settled"), os.path.join(out, "settled.polyset"), os.path.join(PILE, "poly_1000.polyset")
+    run, polyset, source = os.path.join(out, "settled"), os.path.join(out,
+                                                                      "settled.polyset"), os.path.join(PILE,
+                                                                                                       "poly_1000.polyset")
     if not os.path.exists(polyset):
         scene = os.path.join(PILE, "polyhedra.toml")
         step = "run.time_step=%.17g" % (1 / 240)
-        subprocess.run([program, "run", scene, "--set", step, "-t", "1", "-q", "--force", "--least-output", "-o", run], check=True)
-        subprocess.run([sys.executable, os.path.join(HERE, "..", "settled_polyset.py"), run, source, polyset], check=True)
+        subprocess.run([program, "run", scene, "--set", step, "-t", "1", "-q", "--force", "--least-output", "-o", run],
+                       check=True)
+        subprocess.run([sys.executable, os.path.join(HERE, "..", "settled_polyset.py"), run, source, polyset],
+                       check=True)
     bodies = []
     with open(polyset) as lines:
         side = float(next(lines).split()[4])
@@ -69,7 +75,8 @@ def write_scene(folder, number, bodies, side):
                 at = ["%.17g" % (float(words[7]) + dx), "%.17g" % (float(words[8]) + dy)]
                 out.write(" ".join(words[:7] + at + words[9:]) + "\n" + "".join(rest))
     x, y = (pitch * across - THICK) / 2, (pitch * along - THICK) / 2
-    walls = [WALL % w for w in ((0, 0, 1, 0, 0), (1, 0, 0, -x, 0), (-1, 0, 0, x, 0), (0, 1, 0, 0, -y), (0, -1, 0, 0, y))]
+    walls = [WALL % w for w in ((0, 0, 1, 0, 0), (1, 0, 0, -x, 0), (-1, 0, 0, x, 0), (0, 1, 0, 0, -y),
+                                (0, -1, 0, 0, y))]
     walls += [BETWEEN % (THICK, 2 * y, pitch * k - x - THICK / 2, 0) for k in range(1, across)]
     walls += [BETWEEN % (2 * x, THICK, 0, pitch * k - y - THICK / 2) for k in range(1, along)]
     with open(os.path.join(folder, "pile.toml"), "w") as out:
@@ -88,7 +95,8 @@ o = parser.parse_args()
 o.program = os.path.abspath(o.program)
 os.makedirs(o.out, exist_ok=True)
 bodies, side = settled(o.program, o.out)
-HEAD = ["polyhedra", "us per body and step, sweeps: first %d steps" % o.warm, "over the first", "next %d" % o.steps, "ms per step then", "contacts",
+HEAD = ["polyhedra", "us per body and step, sweeps: first %d steps" % o.warm, "over the first", "next %d" % o.steps,
+        "ms per step then", "contacts",
         "peak [B per body]", "explain [B]", "overlap, mean [% of R]", "v_rms [mm/s]", "lost"]
 lines = ["| " + " | ".join(HEAD) + " |", "|---" * len(HEAD) + "|"]
 first = None
@@ -103,10 +111,12 @@ for number in o.numbers:
     first = first or settling
     size = s["overlap"]["max"] / s["overlap"]["max_relative"] if s["overlap"]["max_relative"] else 1.0
     lines.append("| %d | %.2f, %.0f | %.2f | %.2f, %.0f | %.1f | %.2f | %.0f | %.0f | %.3f, %.4f | %.3g | %d |" % (
-        number, settling, sweeps[0] / o.warm, settling / first, 1e3 * ms / number, (sweeps[1] - sweeps[0]) / o.steps, ms,
+        number, settling, sweeps[0] / o.warm, settling / first, 1e3 * ms / number, (sweeps[1] - sweeps[0]) / o.steps,
+        ms,
         s["contacts_mean"] / number, max(start["peak_memory_bytes"], s["peak_memory_bytes"]) / number,
         foretold(o.program, "pile.toml", folder) / number,
-        100 * s["overlap"]["max_relative"], 100 * s["overlap"]["mean"] / size, 1e3 * (2 * s["energy"]["kinetic"] / mass) ** 0.5, s["bodies_lost"]))
+        100 * s["overlap"]["max_relative"], 100 * s["overlap"]["mean"] / size,
+        1e3 * (2 * s["energy"]["kinetic"] / mass) ** 0.5, s["bodies_lost"]))
     print("\n".join(lines[-1:] if number != o.numbers[0] else lines), flush=True)
 with open(os.path.join(o.out, "table.md"), "w") as file:
     file.write("\n".join(lines) + "\n")

@@ -3,11 +3,12 @@
 
   /usr/bin/python3 perf/peers/hopper.py [--steps 4000] [--repeats 1] [--out out/peers_hopper] [--program ./epafi]
 
-Settles scenes/library/hopper/hopper.toml with Epafi up to the opening of its gate and lets 20 000 spheres flow out of the
-orifice of 40 mm: `warm` steps first, then the timed ones, on one thread, in double precision, Hertz-Mindlin with history.
-Epafi, LIGGGHTS and YADE (an eighth of the steps) take the walls as the same triangles, LAMMPS as a cylinder and a cone. Prints, and writes to table.md:
-nanoseconds of processor time per sphere of the start and timed step, the mass flow in them [kg/s] and its standard error from
-ten parts of the window. A code that is not installed has no row. Needs numpy; of Debian: lammps, liggghts, yade.
+Settles scenes/library/hopper/hopper.toml with Epafi up to the opening of its gate and lets 20 000 spheres flow out of
+the orifice of 40 mm: `warm` steps first, then the timed ones, on one thread, in double precision, Hertz-Mindlin with
+history. Epafi, LIGGGHTS and YADE (an eighth of the steps) take the walls as the same triangles, LAMMPS as a cylinder
+and a cone. Prints, and writes to table.md: nanoseconds of processor time per sphere of the start and timed step, the
+mass flow in them [kg/s] and its standard error from ten parts of the window. A code that is not installed has no row.
+Needs numpy; of Debian: lammps, liggghts, yade.
 """
 import os
 import re
@@ -74,7 +75,8 @@ plane = { point = [0, 0, 0], normal = [0, 0, -1] }
 interval = %.9g
 """ % (STEP, DENSITY, E, NU, RESTITUTION, FRICTION, o.steps // PARTS * STEP))
     top = bodies[:, 2].max() + 0.05
-    atoms = "".join("%d 1 %.17g %g %.17g %.17g %.17g\n" % (k + 1, 2 * r, DENSITY, x, y, z) for k, (x, y, z, r) in enumerate(bodies))
+    atoms = "".join("%d 1 %.17g %g %.17g %.17g %.17g\n" % (k + 1, 2 * r, DENSITY, x, y, z)
+                    for k, (x, y, z, r) in enumerate(bodies))
     write("hopper.data", "settled hopper\n\n%d atoms\n1 atom types\n\n-0.076 0.076 xlo xhi\n-0.076 0.076 ylo yhi\n-0.3 %.9g zlo zhi\n\nAtoms\n\n%s"
           % (len(bodies), top, atoms))
     common = """read_data hopper.data
@@ -97,17 +99,21 @@ run ${steps}
     walls = "region cyl cylinder z 0 0 0.07 0.05 %.9g side in units box open 1 open 2\nregion con cone z 0 0 0.02 0.07 0.0 0.05 side in units box open 1 open 2\n" % top
     walls += "".join("fix %s all wall/gran/region hertz/history %s region %s\n" % (r, law, r) for r in ("cyl", "con"))
     write("hopper.lammps", "units si\natom_style sphere\natom_modify map array sort 500 0.006\nboundary f f m\nnewton on\ncomm_modify vel yes\n"
-          + common % ("pair_style gran/hertz/history %s\npair_coeff * *\n%s" % (law, walls), 'variable inside atom "mass*(z > 0.0)"'))
+          + common % ("pair_style gran/hertz/history %s\npair_coeff * *\n%s" % (law, walls),
+                      'variable inside atom "mass*(z > 0.0)"'))
     properties = "".join("fix m%d all property/global %s\n" % (k, p) for k, p in enumerate(
-        ("youngsModulus peratomtype %g" % E, "poissonsRatio peratomtype %g" % NU, "coefficientRestitution peratomtypepair 1 %g" % RESTITUTION,
+        ("youngsModulus peratomtype %g" % E, "poissonsRatio peratomtype %g" % NU,
+         "coefficientRestitution peratomtypepair 1 %g" % RESTITUTION,
          "coefficientFriction peratomtypepair 1 %g" % FRICTION)))
     walls = "fix mesh all mesh/surface file hopper.stl type 1\nfix wall all wall/gran model hertz tangential history mesh n_meshes 1 meshes mesh"
     write("hopper.liggghts", "atom_style granular\natom_modify map array sort 500 0.006\nboundary f f m\nnewton off\ncommunicate single vel yes\nunits si\n"
-          + common % (properties + "pair_style gran model hertz tangential history\npair_coeff * *\n" + walls, "variable inside atom mass*(z>0.0)"))
+          + common % (properties + "pair_style gran model hertz tangential history\npair_coeff * *\n" + walls,
+                      "variable inside atom mass*(z>0.0)"))
 
 
 def flow(inside):
-    """Mean mass flow [kg/s] and its standard error of the mass inside at the ends of the parts; None where some is missing."""
+    """Mean mass flow [kg/s] and its standard error of the mass inside at the ends of the parts; None where some is
+    missing."""
     if len(inside) != PARTS + 1:
         return None
     rates = -numpy.diff(inside) / (o.steps // PARTS * STEP)
@@ -115,7 +121,8 @@ def flow(inside):
 
 
 def run_peer(command):
-    """Processor ns per sphere and timed step, mass flow and its error [kg/s]: the same run without the timed steps is subtracted."""
+    """Processor ns per sphere and timed step, mass flow and its error [kg/s]: the same run without the timed steps is
+    subtracted."""
     start, _ = processor_time(command + ["-var", "steps", "0"], o.out)
     whole, text = processor_time(command + ["-var", "steps", str(o.steps)], o.out)
     mass = {int(step): float(m) for step, m in re.findall(r"^\s*(\d+)\s+([-+.\deE]+)\s*$", text, re.M)}
@@ -167,7 +174,8 @@ print("RESULT", used() - before, *masses)
 def run_yade():
     """The same of YADE, for fewer steps."""
     part = max(1, o.steps // 8 // PARTS)
-    values = dict(E=E, nu=NU, density=DENSITY, friction=FRICTION, restitution=RESTITUTION, dt=STEP, skin=o.skin, warm=o.warm, part=part, parts=PARTS)
+    values = dict(E=E, nu=NU, density=DENSITY, friction=FRICTION, restitution=RESTITUTION, dt=STEP, skin=o.skin,
+                  warm=o.warm, part=part, parts=PARTS)
     write("hopper_yade.py", YADE % values)
     result = yade_result("hopper_yade.py", o.out)
     if not result:
@@ -176,7 +184,8 @@ def run_yade():
     return 1e9 * result[0] / (part * PARTS) / n, rates.mean(), rates.std(ddof=1) / PARTS**0.5
 
 
-bodies = settled(program, os.path.abspath(SCENES + "/hopper.toml"), os.path.join(o.out, "settled"), "run.duration=0.5", "params.open_at=1.0")
+bodies = settled(program, os.path.abspath(SCENES + "/hopper.toml"), os.path.join(o.out, "settled"), "run.duration=0.5",
+                 "params.open_at=1.0")
 n = len(bodies)
 write_inputs(bodies)
 codes = [("Epafi", run_epafi)]
@@ -186,4 +195,5 @@ if shutil.which("liggghts"):
     codes.append(("LIGGGHTS", lambda: run_peer(["liggghts", "-log", "none", "-in", "hopper.liggghts"])))
 if shutil.which("yade"):
     codes.append(("YADE", run_yade))
-print_table("hopper, %d spheres, one thread" % n, ["mass flow [kg/s]", "its error"], take_turns(codes, o.repeats), o.out, "hopper of 20 000")
+print_table("hopper, %d spheres, one thread" % n, ["mass flow [kg/s]", "its error"], take_turns(codes, o.repeats),
+            o.out, "hopper of 20 000")

@@ -8,9 +8,8 @@ LAMMPS and LIGGGHTS where they have the law.
 Settles scenes/library/bed/bed.toml with Epafi and goes on from its last snapshot under each law, one thread, double
 precision, steps of 1.5e-5 s, which all laws bear. --beside: an earlier program, as a row of each law. Prints, and
 writes to table.md: nanoseconds of processor time per sphere and step (median, smallest, largest), over those of the
-first row, and as a check the contacts of a sphere: of Epafi the mean over the run, each contact once and walls included, of the
-others the other spheres that it touches.
-Needs numpy; of Debian: lammps, liggghts.
+first row, and as a check the contacts of a sphere: of Epafi the mean over the run, each contact once and walls
+included, of the others the other spheres that it touches. Needs numpy; of Debian: lammps, liggghts.
 """
 import os
 import shutil

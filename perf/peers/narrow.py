@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """Distance or depth of convex pairs with exact answers, beside libraries that are no package of Debian.
 
-  /usr/bin/python3 perf/peers/narrow.py [--corpus tests/data/convex_pairs.bin] [--repeats 5] [--out out/peers_narrow] [--program ./epafi]
+  /usr/bin/python3 perf/peers/narrow.py [--corpus tests/data/convex_pairs.bin] [--repeats 5] [--out out/peers_narrow]
+  [--program ./epafi]
 
-Runs `epafi narrow` by those of its methods that give distances and judges the answers by the signed distances of the file (tests/data/README.md). Prints, and
-writes to table.md: mean time of a cold query [ns] (median of the repeats), queries without an answer, pairs taken for apart or overlapping that are not (by more than
-1e-6 and 1e-12 of the smaller body's radius), and of depths and distances beyond 1e-9 of it those off by more than 1e-6 and by more than 1 %.
-coal, MuJoCo 3, openGJK, Box3D and Jolt are not run: their figures of another machine (elsewhere/narrow.csv) stand below in italics; only their
-errors can be compared.
+Runs `epafi narrow` by those of its methods that give distances and judges the answers by the signed distances of the
+file (tests/data/README.md). Prints, and writes to table.md: mean time of a cold query [ns] (median of the repeats),
+queries without an answer, pairs taken for apart or overlapping that are not (by more than 1e-6 and 1e-12 of the smaller
+body's radius), and of depths and distances beyond 1e-9 of it those off by more than 1e-6 and by more than 1 %. coal,
+MuJoCo 3, openGJK, Box3D and Jolt are not run: their figures of another machine (elsewhere/narrow.csv) stand below in
+italics; only their errors can be compared.
 """
 import argparse
 import csv
@@ -59,14 +61,16 @@ def judge(exact, answers):
         wrong_fine += unlike and abs(sigma) > 1e-12 * size
         if abs(sigma) > 1e-9 * size:
             off["depth" if sigma < 0 else "distance"].append(abs(d - sigma) / abs(sigma))
-    counts = ["%d of %d" % (sum(e > limit for e in errors), len(errors)) for errors in off.values() for limit in (1e-6, 1e-2)]
+    counts = ["%d of %d" % (sum(e > limit for e in errors), len(errors)) for errors in off.values()
+              for limit in (1e-6, 1e-2)]
     return [str(failed), str(wrong), str(wrong_fine), *counts]
 
 
 def run(method):
     """Mean time of a query [ns] and the answers."""
     name = os.path.join(o.out, "answers.csv")
-    subprocess.run([o.program, "narrow", o.corpus, "--method", method, "-o", name], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run([o.program, "narrow", o.corpus, "--method", method, "-o", name], check=True,
+                   stdout=subprocess.DEVNULL)
     with open(name) as file:
         answers = list(csv.DictReader(line for line in file if line[0] != "#"))
     return statistics.mean(float(a["ns"]) for a in answers), answers
@@ -82,7 +86,8 @@ def main():
     for m, results in seen.items():
         assert len(results[-1][1]) == len(exact)
         ns = statistics.median(r[0] for r in results)
-        lines.append("| Epafi %s, %d pairs | %.0f | %s |" % (m, len(exact), ns, " | ".join(judge(exact, results[-1][1]))))
+        lines.append("| Epafi %s, %d pairs | %.0f | %s |" %
+                     (m, len(exact), ns, " | ".join(judge(exact, results[-1][1]))))
     with open(os.path.join(HERE, "elsewhere", "narrow.csv")) as file:
         for r in csv.DictReader(line for line in file if line[0] != "#"):
             cells = list(r.values())

@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
-"""Polyhedra by a smooth law side by side with YADE, both with a force from the overlap volume, on this machine, in turns.
+"""Polyhedra by a smooth law side by side with YADE, both with a force from the overlap volume, on this machine, in
+turns.
 
-  /usr/bin/python3 perf/peers/polyhedra.py [--n 125] [--steps 100] [--warm 3000] [--out out/peers_polyhedra] [--program ./epafi]
+  /usr/bin/python3 perf/peers/polyhedra.py [--n 125] [--steps 100] [--warm 3000] [--out out/peers_polyhedra] [--program
+  ./epafi]
 
-n convex polyhedra of 8 to 20 vertices on a sphere of 5 mm stand on a lattice in a box, fall and come to rest in `warm` steps of
-5e-5 s; then `steps` more are timed on one thread. Both codes read the same vertices. Prints, and writes to table.md: microseconds
-of processor time per body and step, contacts per body, the height of the centre of mass, bodies that left the box. The start is
-not counted; a code that is not installed has no row. The laws differ: YADE's force is a constant times the volume (5e6 N/m^3) and
-is damped by a share of every force, Epafi's has a potential, a modulus (2 kPa: the same step, overlaps of the same size) and
-loses by restitution. Needs numpy; of Debian: yade.
+n convex polyhedra of 8 to 20 vertices on a sphere of 5 mm stand on a lattice in a box, fall and come to rest in `warm`
+steps of 5e-5 s; then `steps` more are timed on one thread. Both codes read the same vertices. Prints, and writes to
+table.md: microseconds of processor time per body and step, contacts per body, the height of the centre of mass, bodies
+that left the box. The start is not counted; a code that is not installed has no row. The laws differ: YADE's force is a
+constant times the volume (5e6 N/m^3) and is damped by a share of every force, Epafi's has a potential, a modulus (2
+kPa: the same step, overlaps of the same size) and loses by restitution. Needs numpy; of Debian: yade.
 """
 import csv
 import os
@@ -53,7 +55,8 @@ def write_scene(side, all_vertices):
         f.write('title = "Polyhedra"\nrun = { duration = 10.0, time_step = %g, output_interval = 10.0 }\nworld = { gravity = [0, 0, -9.81] }\n' % STEP)
         f.write("material.stone = { density = %g, youngs_modulus = %g, poissons_ratio = %g }\n" % (DENSITY, E, NU))
         f.write('contact = { method = "smooth", restitution = 0.3, friction = %g, smooth = { law = "overlap-volume" } }\n' % FRICTION)
-        planes = [((0, 0, 0), (0, 0, 1)), ((0, 0, 0), (1, 0, 0)), ((0, 0, 0), (0, 1, 0)), ((side, 0, 0), (-1, 0, 0)), ((0, side, 0), (0, -1, 0))]
+        planes = [((0, 0, 0), (0, 0, 1)), ((0, 0, 0), (1, 0, 0)), ((0, 0, 0), (0, 1, 0)), ((side, 0, 0), (-1, 0, 0)),
+                  ((0, side, 0), (0, -1, 0))]
         for p, n in planes:
             f.write('[[body]]\nshape = { half_space = { normal = [%g, %g, %g] } }\nmaterial = "stone"\nfixed = true\nposition = [%.9g, %.9g, %.9g]\n' % (*n, *p))
         for vertices in all_vertices:
@@ -66,7 +69,8 @@ def run_epafi(side):
     before, after = resumed(program, "pile.toml", "epafi", o.warm, o.warm + o.steps, cwd=o.out)
     subprocess.run([program, "export", "epafi", "--format", "csv"], cwd=o.out, check=True, capture_output=True)
     with open(os.path.join(o.out, "epafi", "snapshots.csv")) as file:
-        free = [[float(r[c]) for c in ("time", "x", "y", "z", "mass")] for r in csv.DictReader(file) if float(r["mass"]) > 0]
+        free = [[float(r[c]) for c in ("time", "x", "y", "z", "mass")] for r in csv.DictReader(file)
+                if float(r["mass"]) > 0]
     last = numpy.array([r for r in free if r[0] == free[-1][0]])
     gone = int(((last[:, 1:3] < 0) | (last[:, 1:3] > side)).any(1).sum())
     return 1e6 * after["cpu_time"] / (after["steps"] - before["steps"]) / o.n, after["measures"]["contacts"]["number"]["last"], numpy.average(last[:, 3], weights=last[:, 4]), gone
@@ -102,7 +106,8 @@ print("RESULT", seconds, touching / n, sum(m * p[2] for m, p in zip(mass, place)
 
 
 def run_yade(side, all_vertices):
-    values = dict(E=PER_VOLUME, nu=NU, density=DENSITY, friction=FRICTION, dt=STEP, side=side, skin=o.skin, warm=o.warm, steps=o.steps,
+    values = dict(E=PER_VOLUME, nu=NU, density=DENSITY, friction=FRICTION, dt=STEP, side=side, skin=o.skin, warm=o.warm,
+                  steps=o.steps,
                   bodies="[" + ",\n".join(map(rows, all_vertices)) + "]")
     with open(os.path.join(o.out, "pile_yade.py"), "w") as f:
         f.write(YADE % values)
@@ -115,7 +120,8 @@ write_scene(side, all_vertices)
 codes = [("Epafi", lambda: run_epafi(side))]
 if shutil.which("yade"):
     codes.append(("YADE", lambda: run_yade(side, all_vertices)))
-lines = ["| %d polyhedra, one thread | us per body and step | contacts per body | height [m] | gone |" % o.n, "|---" * 5 + "|"]
+lines = ["| %d polyhedra, one thread | us per body and step | contacts per body | height [m] | gone |" % o.n,
+         "|---" * 5 + "|"]
 for name, run in codes:
     result = run()
     if result:

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Scenes of everyday granular work beside LAMMPS, on this machine, in turns: a gas and a straining cell in periodic domains, clumps, a
-turning drum, sizes of 1:10, a heap of grains that stick, a mixture of two materials that leaves a hopper.
+"""Scenes of everyday granular work beside LAMMPS, on this machine, in turns: a gas and a straining cell in periodic
+domains, clumps, a turning drum, sizes of 1:10, a heap of grains that stick, a mixture of two materials that leaves a
+hopper.
 
   /usr/bin/python3 perf/peers/scenes.py [--cases gas,drum] [--steps 400] [--repeats 3] [--beside PROGRAM]
 
-Each scene comes to its state in Epafi; both codes go on from the same numbers on one thread in double precision: Hertz, Mindlin with
-history, damping from the restitution (LAMMPS: pair style granular with Mindlin and Tsuji), the same steps. --beside: an earlier program.
-Prints, and writes to table.md: nanoseconds of processor time per body and step (median, smallest, largest), over those of Epafi, and
-the physical figure that each case names. Needs numpy; of Debian: lammps.
+Each scene comes to its state in Epafi; both codes go on from the same numbers on one thread in double precision: Hertz,
+Mindlin with history, damping from the restitution (LAMMPS: pair style granular with Mindlin and Tsuji), the same steps.
+--beside: an earlier program. Prints, and writes to table.md: nanoseconds of processor time per body and step (median,
+smallest, largest), over those of Epafi, and the physical figure that each case names. Needs numpy; of Debian: lammps.
 """
 import csv
 import math
@@ -15,42 +16,21 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 
 import numpy
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import granular_scene
+from granular_scene import BEAD, plane
 from runs import options, peer, print_table, resumed, take_turns
 from tsuji import restitution_given
 
 NU, RADIUS = 0.3, 0.0025
-HEAD = """[run]
-duration = {duration}
-time_step = {dt}
-output_interval = 100.0
-[world]
-gravity = {gravity}
-{domain}
-[material.bead]
-density = 2500.0
-youngs_modulus = 5e6
-poissons_ratio = 0.3
-[material.soft]
-density = 2000.0
-youngs_modulus = 2.5e6
-poissons_ratio = 0.3
-[contact]
-method = "smooth"
-restitution = {restitution}
-friction = {friction}
-smooth = {{ {law} }}
-"""
-
+SOFT = ("soft", 2000.0, 2.5e6)
 
 PAIR = "{law} %.9g {e} {nu}{more} tangential mindlin NULL 1.0 {mu} damping tsuji"
 # mean over the atoms of what a figure is made of; the same of Epafi's bodies by numpy
 COLUMNS = {"square": "vx*vx+vy*vy+vz*vz", "x": "x", "z": "z"}
-
-
-def plane(normal, point):
-    return "[[body]]\nshape = { half_space = { normal = %s } }\nposition = %s\nmaterial = \"bead\"\nfixed = true\n" % (list(normal), list(point))
 
 
 def fill(name, shape, count, low, high, more="", material="bead"):
@@ -68,13 +48,13 @@ def cube(side, more=""):
 
 
 class Case:
-    """A scene, how its bodies come to their state (`start` for `settle` seconds), and what LAMMPS needs beside them. The figure is made of
-    the means of two COLUMNS over all spheres."""
+    """A scene, how its bodies come to their state (`start` for `settle` seconds), and what LAMMPS needs beside them.
+    The figure is made of the means of two COLUMNS over all spheres."""
     gravity, domain, start_domain, restitution, friction = (0, 0, -9.81), "", None, 0.6, 0.5
     dt, skin, materials, spread = 3e-5, 4e-4, ["bead"], '\nsize = { distribution = "uniform", min = 0.9, max = 1.1 }'
     walls, closing, boundary, bins = "", "", "f f f", "bin"
     motion, more, columns, regions = "fix motion all nve/sphere", "", ("square", "z"), ""
-    law, law_of_lammps = 'law = "hertz-mindlin"', ("hertz/material", "")
+    law, law_of_lammps = granular_scene.HERTZ, ("hertz/material", "")
 
     def lammps_walls(self):
         """Of fix wall/gran what comes after its law, by name of the fix."""
@@ -83,7 +63,8 @@ class Case:
     def spheres(self, rows):
         """Radius, place, velocity and spin, body and type (from 1) of every sphere."""
         for k, r in enumerate(rows):
-            yield float(r["radius"]), vector(r, ""), [*vector(r, "v"), *vector(r, "w")], k + 1, list(MATERIALS).index(r["material"]) + 1
+            yield float(r["radius"]), vector(r, ""), [*vector(r, "v"),
+                                                      *vector(r, "w")], k + 1, list(MATERIALS).index(r["material"]) + 1
 
     def figure(self, first, second):
         return second
@@ -105,12 +86,14 @@ class Gas(Case):
 
 
 class Strain(Gas):
-    """10 000 spheres in a periodic cube that shrinks by 0.8 a second. Figure: mean square of the velocities beside the flow [m2/s2]."""
+    """10 000 spheres in a periodic cube that shrinks by 0.8 a second. Figure: mean square of the velocities beside the
+    flow [m2/s2]."""
     restitution, friction, settle = 0.6, 0.5, 0.053
     side = 0.134 * math.exp(-4 * 0.053)
     start_domain = cube(0.134, ", strain_rate = [-4, -4, -4]")
     domain = cube(side, ", strain_rate = [-0.8, -0.8, -0.8]")
-    start = fill("grains", sphere(), 10000, (0, 0, 0), (0.134,) * 3, 'method = "random"\nvelocity_deviation = 0.2' + Case.spread)
+    start = fill("grains", sphere(), 10000, (0, 0, 0), (0.134,) * 3,
+                 'method = "random"\nvelocity_deviation = 0.2' + Case.spread)
     more = "fix cell all deform 1 x trate -0.8 y trate -0.8 z trate -0.8 remap x\n"
 
 
@@ -120,7 +103,8 @@ class Box(Case):
 
     def __init__(self):
         far = self.side
-        sides = (((0, 0, 1), (0, 0, 0)), ((1, 0, 0), (0, 0, 0)), ((0, 1, 0), (0, 0, 0)), ((-1, 0, 0), (far, 0, 0)), ((0, -1, 0), (0, far, 0)))
+        sides = (((0, 0, 1), (0, 0, 0)), ((1, 0, 0), (0, 0, 0)), ((0, 1, 0), (0, 0, 0)), ((-1, 0, 0), (far, 0, 0)),
+                 ((0, -1, 0), (0, far, 0)))
         self.walls = "".join(plane(normal, point) for normal, point in sides)
 
     def lammps_walls(self):
@@ -130,7 +114,9 @@ class Box(Case):
 
 class Clumps(Box):
     """3000 clumps of three spheres in a box. Figure: mean height of the spheres [m]."""
-    corners = 2 * RADIUS * numpy.array([(1, 0, 0), (-0.5, math.sqrt(0.75), 0), (-0.5, -math.sqrt(0.75), 0)]) / math.sqrt(3)  # they touch
+    # they touch
+    corners = 2 * RADIUS * numpy.array([(1, 0, 0), (-0.5, math.sqrt(0.75), 0),
+                                        (-0.5, -math.sqrt(0.75), 0)]) / math.sqrt(3)
     clump = "clump = { spheres = [%s] }" % ", ".join("[%.17g, %.17g, 0, %g]" % (*c[:2], RADIUS) for c in corners)
     start = fill("grains", clump, 3000, (0, 0, 0), (Box.side, Box.side, 0.6))
     motion = "neigh_modify exclude molecule/intra all\nfix motion all rigid/small molecule"
@@ -152,15 +138,18 @@ class Sizes(Box):
 
 
 class Drum(Case):
-    """5000 spheres in a drum of 200 mm that turns at 2 rad/s. Figure: angle of their centre below the axis [degrees]."""
+    """5000 spheres in a drum of 200 mm that turns at 2 rad/s. Figure: angle of their centre below the axis
+    [degrees]."""
     half, radius, settle, columns = 0.03, 0.1, 0.3, ("x", "z")
     walls = (plane((0, 1, 0), (0, -half, 0)) + plane((0, -1, 0), (0, half, 0)) +
-             "[[body]]\nshape = { tube = { radius = %g, length = %g } }\nmaterial = \"bead\"\nposition = [0, 0, 0]\n" % (radius, 2 * half) +
+             "[[body]]\nshape = { tube = { radius = %g, length = %g } }\nmaterial = \"bead\"\nposition = [0, 0, 0]\n" %
+             (radius, 2 * half) +
              "euler_deg = [-90, 0, 0]\nmotion = { rotation = { axis = [0, 1, 0], rate = 2.0, about = [0, 0, 0] } }\n")
     start = fill("grains", sphere(), 5000, (-0.065, -half, -0.07), (0.065, half, 0.07), Case.spread)
 
     regions = ('variable angle equal "2*step*dt"\n'
-               "region drum cylinder y 0 0 %g %g %g side in open 1 open 2 units box rotate v_angle 0 0 0 0 1 0\n" % (radius, -half, half))
+               "region drum cylinder y 0 0 %g %g %g side in open 1 open 2 units box rotate v_angle 0 0 0 0 1 0\n" %
+               (radius, -half, half))
 
     def lammps_walls(self):
         return {"drum": "region drum", "ends": "yplane %g %g" % (-self.half, self.half)}
@@ -211,8 +200,8 @@ def write(folder, name, text):
 
 
 def head(case, duration, domain):
-    return HEAD.format(duration=duration, dt=case.dt, gravity=list(case.gravity), domain=domain, restitution=case.restitution, friction=case.friction,
-                       law=case.law)
+    world = f"[world]\ngravity = {list(case.gravity)}\n{domain}\n"
+    return granular_scene.head(case.dt, duration, (BEAD, SOFT), case.restitution, case.friction, case.law) + world
 
 
 def prepare(name, case, o):
@@ -220,9 +209,12 @@ def prepare(name, case, o):
     folder = os.path.join(o.out, name)
     os.makedirs(folder, exist_ok=True)
     if not os.path.exists(os.path.join(folder, "bodies.csv")):
-        write(folder, "start.toml", head(case, case.settle, case.start_domain or case.domain) + case.start + case.walls + case.closing)
-        subprocess.run([os.path.abspath(o.program), "run", "start.toml", "-q", "-t", "1", "--force", "--least-output", "-o", "start"], cwd=folder, check=True)
-        subprocess.run([os.path.abspath(o.program), "export", "start", "--format", "csv"], cwd=folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        write(folder, "start.toml", head(case, case.settle, case.start_domain
+                                         or case.domain) + case.start + case.walls + case.closing)
+        subprocess.run([os.path.abspath(o.program), "run", "start.toml", "-q", "-t", "1", "--force", "--least-output",
+                        "-o", "start"], cwd=folder, check=True)
+        subprocess.run([os.path.abspath(o.program), "export", "start", "--format", "csv"], cwd=folder, check=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.replace(os.path.join(folder, "start", "bodies.csv"), os.path.join(folder, "bodies.csv"))
     shapes = "".join(re.findall(r"^\[shape\.\w+\]\n.*\n", case.start, re.MULTILINE))
     bodies = '[[bodies]]\nname = "grains"\nfile = "bodies.csv"\nmaterial = "bead"\n'
@@ -249,14 +241,16 @@ def extent(case, spheres):
 def write_lammps(case, folder, spheres, o):
     kinds = len(case.materials)
     text = "scene\n\n%d atoms\n%d atom types\n\n" % (len(spheres), kinds)
-    text += "".join("%.17g %.17g %slo %shi\n" % (*ends, a, a) for ends, a in zip(extent(case, spheres), "xyz")) + "\nAtoms\n\n"
+    text += "".join("%.17g %.17g %slo %shi\n" % (*ends, a, a)
+                    for ends, a in zip(extent(case, spheres), "xyz")) + "\nAtoms\n\n"
     molecules = case.motion != Case.motion
     for k, (radius, x, _, body, kind) in enumerate(spheres, start=1):
         density = list(MATERIALS.values())[kind - 1][1]
         size = "%.17g %g" % (2 * radius, density)
         place = "%.17g %.17g %.17g" % tuple(x)
         text += "%d %d %s\n" % (k, kind, "%s %s %d" % (place, size, body) if molecules else size + " " + place)
-    text += "\nVelocities\n\n" + "".join("%d %.17g %.17g %.17g %.17g %.17g %.17g\n" % (k, *s[2]) for k, s in enumerate(spheres, start=1))
+    text += "\nVelocities\n\n" + "".join("%d %.17g %.17g %.17g %.17g %.17g %.17g\n" % (k, *s[2])
+                                         for k, s in enumerate(spheres, start=1))
     write(folder, "scene.data", text)
     write(folder, "scene.lammps", lammps_script(case, o, molecules))
 
@@ -266,11 +260,15 @@ def lammps_script(case, o, molecules):
     kind, more = case.law_of_lammps
     text = PAIR.format(law=kind, more=more, e="%.9g" % restitution_given(case.restitution), nu=NU, mu=case.friction)
     law = lambda p, q: text % (2 * p * q / (p + q))
-    wall = lambda q: law(*2 * [2 / (1 / MATERIALS["bead"][0] + 1 / q) / (1 + NU)])  # with a wall LAMMPS takes E / 2 (1 - nu) for E*
-    lines = ["units si", "atom_style " + ("hybrid sphere molecular" if molecules else "sphere"), "atom_modify map array sort 1000 %g" % (2.4 * RADIUS),
-             "newton on", "comm_modify vel yes", "boundary " + case.boundary, "read_data scene.data", "neighbor %g %s" % (case.skin, case.bins),
+    # with a wall LAMMPS takes E / 2 (1 - nu) for E*
+    wall = lambda q: law(*2 * [2 / (1 / MATERIALS["bead"][0] + 1 / q) / (1 + NU)])
+    lines = ["units si", "atom_style " + ("hybrid sphere molecular" if molecules else "sphere"),
+             "atom_modify map array sort 1000 %g" % (2.4 * RADIUS),
+             "newton on", "comm_modify vel yes", "boundary " + case.boundary, "read_data scene.data",
+             "neighbor %g %s" % (case.skin, case.bins),
              "neigh_modify delay 0 every 1 check yes", "pair_style granular"]
-    lines += ["pair_coeff %d %d %s" % (a + 1, b + 1, law(moduli[a], moduli[b])) for a in range(len(moduli)) for b in range(a, len(moduli))]
+    lines += ["pair_coeff %d %d %s" % (a + 1, b + 1, law(moduli[a], moduli[b])) for a in range(len(moduli))
+              for b in range(a, len(moduli))]
     lines.append(case.regions)
     for kind, modulus in enumerate(moduli, start=1):
         lines.append("group kind%d type %d" % (kind, kind))
@@ -282,7 +280,8 @@ def lammps_script(case, o, molecules):
     lines += ["timestep %g" % case.dt, case.motion, case.more]
     for k, column in enumerate(case.columns):
         lines += ["variable c%d atom %s" % (k, COLUMNS[column]), "compute c%d all reduce ave v_c%d" % (k, k)]
-    lines += ["thermo_style custom step atoms c_c0 c_c1", "thermo_modify lost warn", "thermo %d" % (o.warm + o.steps), "run %d" % o.warm, "run ${steps}"]
+    lines += ["thermo_style custom step atoms c_c0 c_c1", "thermo_modify lost warn", "thermo %d" % (o.warm + o.steps),
+              "run %d" % o.warm, "run ${steps}"]
     return "\n".join(lines) + "\n"
 
 
@@ -294,7 +293,8 @@ def column(name, x, v):
 def run(program, name, case, folder, o):
     at = os.path.join(o.out, name)
     first, last = resumed(program, "scene.toml", folder, o.warm, o.warm + o.steps, cwd=at)
-    subprocess.run([program, "export", folder, "--format", "csv"], cwd=at, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    subprocess.run([program, "export", folder, "--format", "csv"], cwd=at, check=True, stdout=subprocess.DEVNULL,
+                   stderr=subprocess.DEVNULL)
     spheres = list(case.spheres(read_bodies(os.path.join(at, folder, "bodies.csv"))))
     x, v = numpy.array([s[1] for s in spheres]), numpy.array([s[2][:3] for s in spheres])
     figure = case.figure(*(column(c, x, v) for c in case.columns))
@@ -320,7 +320,8 @@ def main():
             codes.append(("Epafi, beside", lambda: run(os.path.abspath(o.beside), name, case, "run_1", o)))
         if shutil.which("lmp"):
             codes.append(("LAMMPS", lambda: run_lammps(name, case, bodies, spheres, o)))
-        print_table("%s, %d bodies" % (name, bodies), [case.__doc__.split("Figure: ")[1].rstrip(".")], take_turns(codes, o.repeats), os.path.join(o.out, name),
+        print_table("%s, %d bodies" % (name, bodies), [" ".join(case.__doc__.split()).split("Figure: ")[1].rstrip(".")],
+                    take_turns(codes, o.repeats), os.path.join(o.out, name),
                     "scene " + name)
         with open(os.path.join(o.out, name, "table.md")) as f:
             tables.append(f.read())

@@ -1,4 +1,5 @@
-"""Engines of the scorecard: engines/NAME.toml says what an engine is, how its driver is built and which settings it gets."""
+"""Engines of the scorecard: engines/NAME.toml says what an engine is, how its driver is built and which settings it
+gets."""
 import glob
 import os
 import shutil
@@ -64,7 +65,8 @@ def make_driver(engine, build, work, as_built):
     kind = os.path.splitext(engine.source)[1]
     if engine.stem.startswith("epafi"):
         engine.command = build_epafi(build, as_built)
-        described = subprocess.run(["git", "-C", ROOT, "describe", "--always"], capture_output=True, text=True).stdout.strip()
+        described = subprocess.run(["git", "-C", ROOT, "describe", "--always"], capture_output=True,
+                                   text=True).stdout.strip()
         engine.version = described or "?"
         return None
     missing = [p for p in engine.packages if not installed(p)]
@@ -77,7 +79,8 @@ def make_driver(engine, build, work, as_built):
         if not shutil.which("node"):
             return "not installed: node"
         if hasattr(engine, "helper"):
-            compile_driver(engine.helper, engine.helper_flags, [], os.path.join(work, engine.stem + "_describe"), as_built)
+            compile_driver(engine.helper, engine.helper_flags, [], os.path.join(work, engine.stem + "_describe"),
+                           as_built)
         # without --no-liftoff V8's quick tier of WebAssembly is in the times: Rapier looks eight times too dear
         engine.command = ["node", "--no-liftoff", os.path.join(FOLDER, engine.source)]
         engine.version = ", ".join(engine.npm)
@@ -86,12 +89,14 @@ def make_driver(engine, build, work, as_built):
     if kind == ".py":
         engine.command = ["/usr/bin/python3", os.path.join(FOLDER, engine.source)]
     else:
-        engine.command = compile_driver(engine.source, engine.flags, engine.libraries, os.path.join(work, engine.stem), as_built)
+        engine.command = compile_driver(engine.source, engine.flags, engine.libraries, os.path.join(work, engine.stem),
+                                        as_built)
     return None
 
 
 def package_version(package):
-    shown = subprocess.run(["dpkg-query", "-W", "-f", "${Status}|${Version}", package], capture_output=True, text=True).stdout
+    shown = subprocess.run(["dpkg-query", "-W", "-f", "${Status}|${Version}", package], capture_output=True,
+                           text=True).stdout
     return shown.split("|")[1] if shown.startswith("install ok installed") else None
 
 
@@ -103,10 +108,13 @@ def install(engines, work):
     """What is missing: Debian packages where we are root or may be, npm packages where the registry answers."""
     packages = sorted({p for e in engines for p in e.packages if not installed(p)})
     if packages:
-        command = ([] if os.geteuid() == 0 else ["sudo", "-n"]) + ["apt-get", "install", "-y", "--no-install-recommends", *packages]
+        command = ([] if os.geteuid() == 0 else ["sudo", "-n"]) + ["apt-get", "install", "-y",
+                                                                   "--no-install-recommends", *packages]
         if subprocess.run(command, stdout=subprocess.DEVNULL).returncode != 0:
             print("could not be installed, left out: " + " ".join(packages))
-    names = [n for e in engines for n in e.npm if not os.path.isdir(os.path.join(work, "node_modules", n.rsplit("@", 1)[0]))]
+    names = [n for e in engines for n in e.npm
+             if not os.path.isdir(os.path.join(work, "node_modules", n.rsplit("@", 1)[0]))]
     if names and shutil.which("npm"):
-        if subprocess.run(["npm", "install", "--no-audit", "--no-fund", "--prefix", work, *names], stdout=subprocess.DEVNULL).returncode != 0:
+        if subprocess.run(["npm", "install", "--no-audit", "--no-fund", "--prefix", work, *names],
+                          stdout=subprocess.DEVNULL).returncode != 0:
             print("could not be installed, left out: npm " + " ".join(names))

@@ -24,7 +24,8 @@ class Material:
 
 @dataclass
 class Tube:
-    """A hollow wall of a material about the y or z axis, from low to high along it, its radius at either end [m]; turns at rate [rad/s]."""
+    """A hollow wall of a material about the y or z axis, from low to high along it, its radius at either end [m]; turns
+    at rate [rad/s]."""
     material: str
     axis: str
     low: float
@@ -48,7 +49,8 @@ def lattice(count, radius, low, high, inside=lambda x: True):
     rows = [int((high[i] - low[i]) / pitch) for i in range(2)]
     while len(found) < count:
         layer, cell = divmod(k, rows[0] * rows[1])
-        place = [low[0] + (cell % rows[0] + 0.5) * pitch, low[1] + (cell // rows[0] + 0.5) * pitch, low[2] + (layer + 0.5) * pitch]
+        place = [low[0] + (cell % rows[0] + 0.5) * pitch, low[1] + (cell // rows[0] + 0.5) * pitch,
+                 low[2] + (layer + 0.5) * pitch]
         if place[2] > high[2]:
             raise SystemExit("lattice: %d of %d grains found room" % (len(found), count))
         place = [x + d for x, d in zip(place, jitter(k, 0.04 * radius))]
@@ -59,16 +61,20 @@ def lattice(count, radius, low, high, inside=lambda x: True):
 
 
 def settled(scene, duration, dt):
-    """The scene's bodies where Epafi's smooth contact lets them come to rest, at rest; kept from one problem to the next run."""
+    """The scene's bodies where Epafi's smooth contact lets them come to rest, at rest; kept from one problem to the
+    next run."""
     text = repr((scene, duration, dt)).encode()
     folder = os.path.join(BEDS, hashlib.sha256(text).hexdigest()[:16])
     table = os.path.join(folder, "places.csv")
     if not os.path.exists(table):
         world.write(scene, duration, 0.0, os.path.join(folder, "start"))
-        command = [PROGRAM, "run", os.path.join(folder, "start.toml"), "-o", os.path.join(folder, "run"), "-q", "--least-output", "--force"]
+        command = [PROGRAM, "run", os.path.join(folder, "start.toml"), "-o", os.path.join(folder, "run"), "-q",
+                   "--least-output", "--force"]
         keys = ["contact.method=smooth", "run.time_step=%.17g" % dt, "run.allow_unstable=true"]
-        subprocess.run(command + [word for key in keys for word in ("--set", key)], check=True, stdout=subprocess.DEVNULL)
-        subprocess.run([PROGRAM, "export", os.path.join(folder, "run"), "--format", "csv"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(command + [word for key in keys for word in ("--set", key)], check=True,
+                       stdout=subprocess.DEVNULL)
+        subprocess.run([PROGRAM, "export", os.path.join(folder, "run"), "--format", "csv"], check=True,
+                       stdout=subprocess.DEVNULL)
         os.replace(os.path.join(folder, "run", "bodies.csv"), table)
     with open(table, newline="") as file:
         rows = [r for r in csv.DictReader(line for line in file if not line.startswith("#"))]

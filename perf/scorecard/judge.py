@@ -1,4 +1,5 @@
-"""What the measures of the problems share. poses[k][body] has 13 numbers: position, orientation w x y z, velocity, spin."""
+"""What the measures of the problems share. poses[k][body] has 13 numbers: position, orientation w x y z, velocity,
+spin."""
 import math
 
 

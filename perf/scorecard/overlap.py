@@ -1,4 +1,5 @@
-"""Overlaps of a pile of hulls, by the test of separating axes in double precision. Apart from judge.py because of numpy."""
+"""Overlaps of a pile of hulls, by the test of separating axes in double precision. Apart from judge.py because of
+numpy."""
 import numpy
 
 
@@ -14,7 +15,8 @@ class Placed:
 
     def __init__(self, shape, pose):
         vertices, faces = numpy.array(shape[1]), numpy.array(shape[2])
-        normals = numpy.cross(vertices[faces[:, 1]] - vertices[faces[:, 0]], vertices[faces[:, 2]] - vertices[faces[:, 0]])
+        normals = numpy.cross(vertices[faces[:, 1]] - vertices[faces[:, 0]],
+                              vertices[faces[:, 2]] - vertices[faces[:, 0]])
         normals /= numpy.linalg.norm(normals, axis=1)[:, None]
         pairs = {tuple(sorted((int(f[i]), int(f[(i + 1) % 3])))) for f in faces for i in range(3)}
         turn = rotation(pose[3:7])

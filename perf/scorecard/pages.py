@@ -1,4 +1,5 @@
-"""Pages of the scorecard, docs/scorecard/*.md, from its table: what is measured, who is on the front, where our default stands."""
+"""Pages of the scorecard, docs/scorecard/*.md, from its table: what is measured, who is on the front, where our default
+stands."""
 import os
 import statistics
 import subprocess
@@ -39,10 +40,12 @@ def sentences(rows, unit):
         return first + " Our default has no answer here: %s." % ours["status"]
     inside, ratio = standing(rows)
     place = "on the front" if ours in best else "within twice the cost of the front" if inside else "not on the front"
-    second = "Our default (%s) takes %s s and errs by %s: %s" % (ours["settings"], figure(ours["seconds"]), figure(ours["error"]), place)
+    second = "Our default (%s) takes %s s and errs by %s: %s" % (ours["settings"], figure(ours["seconds"]),
+                                                                 figure(ours["error"]), place)
     if ours not in best:
         error = error_of(ours)
-        cheaper = next(r for r in rows if good(r) and error_of(r) <= error and float(r["seconds"]) == cost_of_front(rows, error))
+        cheaper = next(r for r in rows if good(r) and error_of(r) <= error
+                       and float(r["seconds"]) == cost_of_front(rows, error))
         second += ", %.1f times the cost of %s at no larger error" % (ratio, named(cheaper))
     return first + "\n" + second + "."
 
@@ -56,7 +59,8 @@ def table_text(rows, unit):
         marks = ", ".join(word for word, holds in (("default", r["default"] == "yes"), ("front", r in best)) if holds)
         time = "%.3g" % float(r["seconds"]) if r["seconds"] else ""
         error = figure(r["error"]) if r["error"] else ""
-        lines.append("| %s | %s | %s | %s | %s | %s | %s |" % (r["engine"], r["settings"], time, r["spread"], error, r["status"], marks))
+        lines.append("| %s | %s | %s | %s | %s | %s | %s |" % (r["engine"], r["settings"], time, r["spread"], error,
+                                                               r["status"], marks))
     return "\n".join(lines)
 
 
@@ -92,7 +96,8 @@ def page(name, rows, folder):
 def cost_of_wasm(table):
     """What Bullet costs more as WebAssembly than native, at the same settings."""
     cost = {(r["engine"], r["problem"], r["settings"]): float(r["seconds"]) for r in table if r["seconds"]}
-    ratios = [c / cost["Bullet", *rest] for (engine, *rest), c in cost.items() if engine == "Bullet (wasm)" and ("Bullet", *rest) in cost]
+    ratios = [c / cost["Bullet", *rest] for (engine, *rest), c in cost.items() if engine == "Bullet (wasm)"
+              and ("Bullet", *rest) in cost]
     if not ratios:
         return "a native build is quicker"
     return "Bullet, which is here as both, takes %.1f times as long there (median of %d rows, %.1f to %.1f)" % (
@@ -107,7 +112,8 @@ def index(table):
              "One command (`/usr/bin/python3 perf/scorecard/run.py`, [how](../../perf/scorecard/README.md)) runs every engine at its defaults and at a few other",
              "settings on every problem, in turns, and sets what a simulated second costs against the error. WebAssembly engines run in node and",
              "in single precision; %s." % cost_of_wasm(table),
-             "%d of %d rows were measured once (they have no spread): their times compare roughly. An" % (once, len(timed)),
+             "%d of %d rows were measured once (they have no spread): their times compare roughly. An" %
+             (once, len(timed)),
              "engine without a row on a page has not been run on that problem.", "",
              "| problem | engines with an answer | our default: s per s | error | quickest other engine at no larger error | on the front or within twice its cost |",
              "|---" * 6 + "|"]
@@ -122,11 +128,13 @@ def index(table):
                 lines.append("| %s | %d | | | | no: %s |" % (title, count, ours["status"]))
                 continue
             inside, ratio = standing(these)
-            others = [r for r in these if good(r) and not r["engine"].startswith("Epafi") and error_of(r) <= error_of(ours)]
+            others = [r for r in these if good(r) and not r["engine"].startswith("Epafi")
+                      and error_of(r) <= error_of(ours)]
             quickest = min(others, key=lambda r: float(r["seconds"]), default=None)
             peer = "%s: %s" % (named(quickest), figure(quickest["seconds"])) if quickest else "none"
             verdict = "yes" if inside else "no: %.1f times" % ratio
-            lines.append("| %s | %d | %s | %s | %s | %s |" % (title, count, figure(ours["seconds"]), figure(ours["error"]), peer, verdict))
+            lines.append("| %s | %d | %s | %s | %s | %s |" %
+                         (title, count, figure(ours["seconds"]), figure(ours["error"]), peer, verdict))
     return "\n".join(lines) + "\n"
 
 
@@ -136,7 +144,8 @@ def plot_text(problem, rows, measure):
         return "%.6g %.6g" % (float(r["seconds"]), error_of(r))
 
     drawn = [r for r in rows if good(r)]
-    out = ["title " + problem.TITLE + (": " + measure if measure else ""), "x " + X_LABEL, "y error [%s]" % problem.UNIT]
+    out = ["title " + problem.TITLE + (": " + measure if measure else ""), "x " + X_LABEL,
+           "y error [%s]" % problem.UNIT]
     for engine in dict.fromkeys(r["engine"] for r in drawn):
         out += ["line " + engine] + [row(r) for r in drawn if r["engine"] == engine]
     steps, last = [], None
@@ -153,7 +162,8 @@ def plot_text(problem, rows, measure):
 def pages(table, folder):
     """Name and text of every page in that folder."""
     names = [n for n in ORDER if any(r["problem"] == n and r["error"] for r in table)]
-    return {"README.md": index(table), **{n + ".md": page(n, [r for r in table if r["problem"] == n], folder) for n in names}}
+    return {"README.md": index(table), **{n + ".md": page(n, [r for r in table if r["problem"] == n], folder)
+                                          for n in names}}
 
 
 def draw(table, folder, build):

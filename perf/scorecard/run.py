@@ -3,11 +3,11 @@
 
   /usr/bin/python3 perf/scorecard/run.py [--engine E ...] [--problem P ...] [--budget 30m] [--turns 3] [--pages] [--rows PROBLEM]
 
-A row is one engine at one setting on one problem: processor seconds per simulated second over the steps alone, one thread,
-median of the repeats with their spread, and the error against an exact or converged answer (problems/*/problem.py). The
-rows of a problem take turns, so that a drift of the machine falls on all alike. Rows of what is run again replace the old
-ones in docs/scorecard/scorecard.csv. --pages writes docs/scorecard from the table, --rows prints
-the rows of a problem for a chart of one's own. README.md says how to add a problem or an engine.
+A row is one engine at one setting on one problem: processor seconds per simulated second over the steps alone, one
+thread, median of the repeats with their spread, and the error against an exact or converged answer
+(problems/*/problem.py). The rows of a problem take turns, so that a drift of the machine falls on all alike. Rows of
+what is run again replace the old ones in docs/scorecard/scorecard.csv. --pages writes docs/scorecard from the table,
+--rows prints the rows of a problem for a chart of one's own. README.md says how to add a problem or an engine.
 """
 import argparse
 import csv
@@ -71,9 +71,11 @@ class Row:
 
     def turn(self, work, limit):
         """One more measurement; the first also writes and judges the poses."""
-        if self.trouble or len(self.times) >= REPEATS or (self.times and sum(self.times) * self.problem.DURATION > PATIENCE):
+        if self.trouble or len(self.times) >= REPEATS or (self.times
+                                                          and sum(self.times) * self.problem.DURATION > PATIENCE):
             return
-        poses = "-" if self.errors else os.path.join(work, "poses-%d.txt" % os.getpid())  # runs beside each other keep apart
+        # runs beside each other keep apart
+        poses = "-" if self.errors else os.path.join(work, "poses-%d.txt" % os.getpid())
         step, options = self.engine.arguments(self.setting)
         stem = os.path.join(work, "cases", self.problem.name)
         said = call([*self.engine.command, stem + ".scene", "%.17g" % self.problem.DURATION, "%.17g" % step,
@@ -109,7 +111,8 @@ class Row:
             return []
         time = statistics.median(self.times)
         spread = "%.2f" % ((max(self.times) - min(self.times)) / time) if len(self.times) > 1 else ""
-        return [dict(base, measure=m, seconds="%.4g" % time, spread=spread, error="" if e is None else "%.4g" % e, status=status)
+        return [dict(base, measure=m, seconds="%.4g" % time, spread=spread, error="" if e is None else "%.4g" % e,
+                     status=status)
                 for m, (e, status) in self.errors.items()]
 
 
@@ -126,8 +129,10 @@ def run_problem(problem, engines, options, deadline):
     for engine in engines:
         reason = engine.why_not(problem)
         if reason:
-            left.append(dict(problem=problem.name, engine=engine.name, version=engine.version, status="left out: " + reason))
-        rows += [Row(engine, problem, setting, k == 0) for k, setting in enumerate([] if reason else problem.settings(engine))]
+            left.append(dict(problem=problem.name, engine=engine.name, version=engine.version,
+                             status="left out: " + reason))
+        rows += [Row(engine, problem, setting, k == 0)
+                 for k, setting in enumerate([] if reason else problem.settings(engine))]
     table, date = [], datetime.date.today().isoformat()
     for turn in range(options.turns):
         for row in rows:

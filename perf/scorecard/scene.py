@@ -19,8 +19,8 @@ class Body:
 
 @dataclass
 class Scene:
-    """A problem's world. planes: (unit normal, offset), solid below. modulus [Pa] is for smooth contact alone. Granular problems may
-    have granular.Material and granular.Tube, then the planes are of the last material."""
+    """A problem's world. planes: (unit normal, offset), solid below. modulus [Pa] is for smooth contact alone. Granular
+    problems may have granular.Material and granular.Tube, then the planes are of the last material."""
     bodies: list
     planes: list = field(default_factory=list)
     gravity: tuple = (0.0, 0.0, -9.81)
@@ -49,8 +49,8 @@ def box(size, position, density=1000.0, **more):
 
 
 def prism(section, depth, density):
-    """A hull of a convex section (x, z) where it stands, of that depth along y. Its frame is that of its principal axes,
-    since the peers take three moments of inertia and no products."""
+    """A hull of a convex section (x, z) where it stands, of that depth along y. Its frame is that of its principal
+    axes, since the peers take three moments of inertia and no products."""
     n = len(section)
     edges = [(section[k], section[(k + 1) % n]) for k in range(n)]
     cross = [p[0] * q[1] - q[0] * p[1] for p, q in edges]
@@ -65,7 +65,8 @@ def prism(section, depth, density):
 
     angle = 0.5 * math.atan2(2 * moment(0, 1), moment(0, 0) - moment(1, 1))
     c, s = math.cos(angle), math.sin(angle)
-    corners = [(c * (x - centre[0]) + s * (z - centre[1]), c * (z - centre[1]) - s * (x - centre[0])) for x, z in section]
+    corners = [(c * (x - centre[0]) + s * (z - centre[1]), c * (z - centre[1]) - s * (x - centre[0]))
+               for x, z in section]
     x = density * depth * (c * c * moment(0, 0) + s * s * moment(1, 1) + 2 * c * s * moment(0, 1))
     z = density * depth * (s * s * moment(0, 0) + c * c * moment(1, 1) - 2 * c * s * moment(0, 1))
     along = density * area * depth**3 / 12
@@ -118,7 +119,8 @@ def shape_table(shape):
 
 def write_peers(scene, f):
     """NAME.scene: what engines/driver.h and engines/grains.py read."""
-    f.write("gravity %s\nfriction %.17g\nrestitution %.17g\n" % (numbers(scene.gravity), scene.friction, scene.restitution))
+    f.write("gravity %s\nfriction %.17g\nrestitution %.17g\n" %
+            (numbers(scene.gravity), scene.friction, scene.restitution))
     f.write("modulus %.17g %.17g\n" % (scene.modulus, scene.poisson))
     if scene.wall_friction is not None:
         f.write("wall_friction %.17g\n" % scene.wall_friction)
@@ -143,9 +145,11 @@ def write_materials(scene, f):
     """Of NAME.toml; returns the material of each body, of the floor and of upright planes."""
     if scene.materials:
         for m in scene.materials:
-            f.write("[material.%s]\ndensity = %.17g\nyoungs_modulus = %.17g\npoissons_ratio = %.17g\n" % (m.name, m.density, m.modulus, m.poisson))
+            f.write("[material.%s]\ndensity = %.17g\nyoungs_modulus = %.17g\npoissons_ratio = %.17g\n" %
+                    (m.name, m.density, m.modulus, m.poisson))
         for (a, b), (restitution, friction) in scene.pairs.items():
-            f.write('[[contact.pair]]\nbetween = ["%s", "%s"]\nrestitution = %.17g\nfriction = %.17g\n' % (a, b, restitution, friction))
+            f.write('[[contact.pair]]\nbetween = ["%s", "%s"]\nrestitution = %.17g\nfriction = %.17g\n' %
+                    (a, b, restitution, friction))
         return [b.material for b in scene.bodies], scene.materials[-1].name, scene.materials[-1].name
     densities = ["%.10g" % (b.mass / volume(b.shape)) for b in scene.bodies]
     names = {d: "m%d" % k for k, d in enumerate(dict.fromkeys(densities))}
@@ -160,24 +164,30 @@ def write_materials(scene, f):
 
 
 def write_epafi(scene, duration, every, f):
-    """NAME.toml, with planes and tubes first. every: seconds between the poses that are wanted, 0 where none are said."""
+    """NAME.toml, with planes and tubes first. every: seconds between the poses that are wanted, 0 where none are
+    said."""
     output = ", output_interval = %.17g" % every if every else ""
     f.write("run = { duration = %.17g%s }\nworld = { gravity = %s }\n" % (duration, output, vector(scene.gravity)))
-    f.write('[contact]\nmethod = "nonsmooth"\nrestitution = %.17g\nfriction = %.17g\n' % (scene.restitution, scene.friction))
+    f.write('[contact]\nmethod = "nonsmooth"\nrestitution = %.17g\nfriction = %.17g\n' %
+            (scene.restitution, scene.friction))
     materials, floor, upright = write_materials(scene, f)
     for normal, offset in scene.planes:
         f.write("[[body]]\nshape = { half_space = { normal = %s } }\n" % vector(normal))
         f.write('material = "%s"\nfixed = true\n' % (upright if normal[2] == 0 else floor))
         f.write("position = %s\n" % vector(offset * c for c in normal))
     for t in scene.tubes:
-        f.write('[[body]]\nshape = { cone = { radii = %s, length = %.17g } }\nmaterial = "%s"\n' % (vector(t.radii), t.high - t.low, t.material))
+        f.write('[[body]]\nshape = { cone = { radii = %s, length = %.17g } }\nmaterial = "%s"\n' %
+                (vector(t.radii), t.high - t.low, t.material))
         middle = (t.low + t.high) / 2
-        f.write("position = %s\neuler_deg = [%d, 0, 0]\n" % (vector((0, 0, middle) if t.axis == "z" else (0, middle, 0)), 0 if t.axis == "z" else -90))
+        f.write("position = %s\neuler_deg = [%d, 0, 0]\n" %
+                (vector((0, 0, middle) if t.axis == "z" else (0, middle, 0)), 0 if t.axis == "z" else -90))
         turn = [float(a == t.axis) for a in "xyz"]
-        f.write("motion = { rotation = { axis = %s, rate = %.17g, about = [0, 0, 0] } }\n" % (vector(turn), t.rate) if t.rate else "fixed = true\n")
+        f.write("motion = { rotation = { axis = %s, rate = %.17g, about = [0, 0, 0] } }\n" % (vector(turn), t.rate)
+                if t.rate else "fixed = true\n")
     for b, material in zip(scene.bodies, materials):
         f.write('[[body]]\nshape = { %s }\nmaterial = "%s"\n' % (shape_table(b.shape), material))
-        f.write("position = %s\nvelocity = %s\nangular_velocity = %s\n" % (vector(b.position), vector(b.velocity), vector(b.spin)))
+        f.write("position = %s\nvelocity = %s\nangular_velocity = %s\n" %
+                (vector(b.position), vector(b.velocity), vector(b.spin)))
         if b.shape[0] != "sphere":
             f.write("orientation = %s\n" % vector(b.turn))
 

@@ -2,7 +2,8 @@
 import csv
 import os
 
-FIELDS = ["problem", "measure", "engine", "version", "settings", "default", "seconds", "spread", "error", "unit", "status", "processor", "date"]
+FIELDS = ["problem", "measure", "engine", "version", "settings", "default", "seconds", "spread", "error", "unit",
+          "status", "processor", "date"]
 LEAST_ERROR = 1e-12  # of what poses with 14 digits can show
 LOST = ("lost", "left out", "failed", "over")
 
@@ -21,7 +22,8 @@ def read(name):
 
 
 def merge(name, problem, engines, rows):
-    """Puts the rows in the place of the old ones of these engines on this problem, in the order of problems and engines."""
+    """Puts the rows in the place of the old ones of these engines on this problem, in the order of problems and
+    engines."""
     from problems import ORDER
 
     kept = [r for r in read(name) if not (r["problem"] == problem and r["engine"] in engines)]

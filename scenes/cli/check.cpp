@@ -62,10 +62,17 @@ double contacts_there(const Simulation& sim) {
   return static_cast<double>(std::max(sim.work.contacts.size(), sim.work.report.touching));
 }
 
-/// Share of the contacts of a packing of so many bodies that are still to come, where something brings them together.
+/// Something brings the bodies together.
+bool gathers(const Simulation& sim) { return sim.world.gravity != Vec3::Zero() || sim.world.cell; }
+
+/// Share of the contacts of a packing of so many bodies that are still to come.
 double share_to_come(const Simulation& sim, double bodies) {
-  const bool gathers = sim.world.gravity != Vec3::Zero() || sim.world.cell;
-  return gathers ? std::max(0.0, 1.0 - contacts_there(sim) / std::max(1.0, 2.0 * bodies)) : 0.0;
+  return gathers(sim) ? std::max(0.0, 1.0 - contacts_there(sim) / std::max(1.0, 2.0 * bodies)) : 0.0;
+}
+
+/// Of `packed` those that are not there yet, and what columns keep to grow.
+double to_come(const Simulation& sim, double packed, double there) {
+  return gathers(sim) ? 1.25 * std::max(0.0, packed - there) : 0.0;
 }
 
 /// Peak of a run [bytes]: what this process holds after the first steps, and what a run has on top of it: the copy of
@@ -78,12 +85,11 @@ double predicted_memory(Assembly& a, std::size_t free, std::size_t later, bool p
   sim.visit(state);
   const auto hulls = static_cast<double>(a.shapes->of<ConvexHull>().size());
   const auto bodies = static_cast<double>(free);
-  const double there = contacts_there(sim), loose = share_to_come(sim, bodies);
+  const double there = contacts_there(sim);
   // a packing has about six neighbours per body, each pair counted once; faces touch in up to four points
-  const double contacts = loose * std::max(0.0, (polyhedra ? 10.0 : 3.0) * bodies - there);
-  const double pairs =
-      loose * std::max(0.0, (polyhedra ? 9.0 : 7.0) * bodies -
-                                static_cast<double>(sim.work.pairs.pairs.size() + listed_spheres(sim)));
+  const double contacts = to_come(sim, (polyhedra ? 10.0 : 3.0) * bodies, there);
+  const double pairs = to_come(sim, (polyhedra ? 9.0 : 7.0) * bodies,
+                               static_cast<double>(sim.work.pairs.pairs.size() + listed_spheres(sim)));
   // of spheres in their own loop in the set, where a measure asks for it, beside pair and spring
   const auto in_set = static_cast<double>(a.plan.memory.in_set);
   const bool asks = std::ranges::any_of(
@@ -91,8 +97,8 @@ double predicted_memory(Assembly& a, std::size_t free, std::size_t later, bool p
   const double own = (asks ? in_set + 32.0 : 0.0) + (a.plan.needs.contact_moment ? 190.0 : 60.0);
   const double contact = a.plan.fused_spheres ? own : static_cast<double>(a.plan.memory.contact);
   const double now_asked = a.plan.fused_spheres && asks ? (in_set + 32.0) * there : 0.0;
-  // HDF5, what it remembers of the shapes in run.h5 (32 MB at most), a frame
-  const double output = 6e6 + std::min(32e6, 14e3 * hulls) + (polyhedra ? 2000.0 : 20.0) * bodies;
+  // HDF5, what it remembers of the shapes in run.h5 (Hdf5File limits it), a frame
+  const double output = 6e6 + std::min(8e6, 14e3 * hulls) + (polyhedra ? 2000.0 : 20.0) * bodies;
   // a large copy goes to a scratch file, while lists that take more room than its pieces have made way
   const double copy = state.total > StateSnapshot::most_in_memory ? 0.0 : static_cast<double>(state.total);
   const double beside = a.plan.fused_spheres ? 2.0 : 3.0;  // lists beside the state, over it; the loop has it in common
@@ -101,8 +107,7 @@ double predicted_memory(Assembly& a, std::size_t free, std::size_t later, bool p
 }
 
 std::string time_text(const ForetoldTime& time, double present) {
-  if (present < 0.1)
-    return "  wall time     not to be told by the first steps: nearly all bodies are poured in later\n";
+  if (present < 0.1) return "  wall time     unknown: nearly all bodies are poured in after the first steps\n";
   return fmt::format(
       "  processor     about {:.3g} s: {:.3g} s of steps, by the first ones and the contacts to come, {:.3g} s of "
       "output\n"

@@ -40,7 +40,7 @@ namespace epafi {
 
 namespace {
 
-constexpr const char* memory_message = "epafi: not enough memory; `epafi check` tells what the scene needs\n";
+constexpr const char* memory_message = "epafi: not enough memory; `epafi check` says what the scene needs\n";
 
 void say(const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str()); }
 
@@ -106,7 +106,8 @@ int finish(Session& session, const std::filesystem::path& folder, const RunOptio
   if (!session.stop_reason().empty()) say("epafi: " + session.stop_reason());
   if (const std::string advice = session.advice(); !advice.empty()) say("epafi: warning: " + advice);
   if (summary.bodies_removed > 0 && !options.quiet)
-    say(fmt::format("epafi: {} bodies were taken out, by remove_at, outlets or the domain", summary.bodies_removed));
+    say(fmt::format("epafi: {} bodies were taken out, by remove_at, stages, outlets or the domain",
+                    summary.bodies_removed));
   if (options.json)
     print(summary_json(summary) + "\n");
   else if (!options.quiet)
@@ -142,7 +143,7 @@ void note_thinned(const Assembly& assembly) {
   for (const MeasureSpec& m : assembly.scene.measures)
     if (const std::uint64_t apart = rows_apart(m, assembly.steps); apart > 1)
       say(
-          fmt::format("measure '{}' has no interval: every step is looked at, one of {} is written ({:.3g} s); "
+          fmt::format("measure '{}' has no interval: every step is evaluated, one of {} is written ({:.3g} s); "
                       "interval = 0 writes all",
                       m.name, apart, static_cast<double>(apart) * assembly.time_step.value));
 }

@@ -45,7 +45,9 @@ void add_solve_flags(CLI::App* command, epafi::SolveOptions& o) {
   command->add_option("--tolerance", o.tolerance, "residual to reach (default 1e-6)")->check(epafi::at_least(0));
   command->add_option("--max-iterations", o.max_iterations, "iterations at most")->check(epafi::at_least(1));
   command->add_option("--time-limit", o.time_limit, "CPU time of each solve (1s, 0.5s, 2m; default 10s)");
-  command->add_option("--solution", o.solution, "write <problem>/reaction to this HDF5 file");
+  command->add_option("--solution", o.solution,
+                      "write <problem>/reaction to this HDF5 file; of several methods that of least residual, and "
+                      "<problem>/METHOD/reaction");
   command->add_option("-o,--out", o.out, "write the rows to this file")->check(epafi::file_name());
   command->add_flag("--json", o.json, "rows as JSON");
 }
@@ -198,7 +200,9 @@ void add_patch(Program& p) {
   auto* patch = p.add("patch", "one wheel-rail or Hertzian contact in statics, by each chosen model",
                       [&p] { return epafi::command_patch(p.common, p.patch); });
   add_scene_flags(patch, p.common);
-  patch->add_flag("--json", p.patch.json, "print the results as JSON on stdout");
+  patch->add_flag("--json", p.patch.json, "the results as JSON in place of CSV");
+  patch->add_flag("--table", p.patch.table, "the results as a table to be read, in place of CSV");
+  patch->add_option("-o,--out", p.patch.out, "write the results to this file")->check(epafi::file_name());
   patch->add_flag("--geometry", p.patch.geometry,
                   "contact places, rolling radius difference and conicity as CSV instead");
   patch->add_option("--maps", p.patch.maps, "folder for maps of pressure, traction, slip (CSV and .vti)");
@@ -208,14 +212,14 @@ void add_studies(Program& p) {
   auto* chart = p.add("chart", "speed against accuracy: every method of a study on one scene",
                       [&p] { return epafi::command_chart(p.study); });
   add_study_flags(chart, p.study, "study");
-  chart->add_flag("--json", p.study.json, "the points on stdout");
+  chart->add_flag("--json", p.study.json, "the points as JSON in place of CSV");
   chart->add_option("--with", p.study.rows, "rows of other programs: CSV with the columns of chart.csv (repeatable)")
       ->allow_extra_args(false);
   add_atlas_flags(chart, p.study);
   auto* limits = p.add("limits", "where methods fail: scans or bisects the parameters of a study",
                        [&p] { return epafi::command_limits(p.study); });
   add_study_flags(limits, p.study, "study");
-  limits->add_flag("--json", p.study.json, "the limits on stdout");
+  limits->add_flag("--json", p.study.json, "the limits as JSON in place of CSV");
   add_atlas_flags(limits, p.study);
   limits->add_option("-j,--jobs", p.study.jobs, "cases at a time")->check(epafi::whole_number(1));
   auto* sweep = p.add("sweep", "the cases of a scene's [sweep]; finished ones are skipped",
@@ -244,6 +248,7 @@ void add_bench(Program& p) {
   bench->add_flag("--copies", p.bench.copies,
                   "also N copies of the scene at once, one thread each: what N threads can bring on this machine");
   bench->add_option("-o,--out", p.bench.out_file, "also write the rows to this file")->check(epafi::file_name());
+  bench->add_flag("--json", p.bench.json, "the rows as JSON in place of CSV");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "engine/threads/parallel.h"
 #include "engine/units/error.h"
@@ -115,6 +116,40 @@ void judge(Row& row, const ConeProblem& problem, const Impulses& r, const std::v
   }
 }
 
+/// Impulses for others to check: <problem>/reaction; of several methods those of the least residual there, and each
+/// one's own under <problem>/METHOD/reaction.
+class SolutionFile {
+ public:
+  explicit SolutionFile(const std::string& path) : file_(path, Hdf5File::Mode::create) {}
+  void begin_problem(const std::string& name) {
+    if (!names_.insert(name).second)
+      throw SceneError("--solution: two problems are named '" + name + "'; solve them into files of their own");
+    best_.reset();
+  }
+  void add(const Row& row, Impulses r, bool alone) {
+    if (!alone) write(row.problem + "/" + row.method, r);
+    if (best_ && !std::isnan(least_residual_) && !(row.residual < least_residual_)) return;
+    least_residual_ = row.residual;
+    best_ = std::move(r);
+  }
+  void end_problem(const std::string& name) {
+    if (best_) write(name, *best_);
+  }
+  void close() { file_.close(); }
+
+ private:
+  void write(const std::string& group, const Impulses& r) {
+    std::vector<double> flat;
+    for (const Vec3& x : r) flat.insert(flat.end(), {x.x(), x.y(), x.z()});
+    file_.write<double>(group + "/reaction", flat, {.columns = 3});
+  }
+
+  Hdf5File file_;
+  std::set<std::string> names_;
+  std::optional<Impulses> best_;
+  double least_residual_ = infinity;
+};
+
 /// One cold solve from r = 0.
 Row solve_one(const ConeProblem& problem, const SolverEntry& entry, const SolveOptions& o, double limit, Impulses& r) {
   Parameters parameters;
@@ -164,12 +199,6 @@ std::string json(const std::vector<Row>& rows) {
   return w.text() + "\n";
 }
 
-void write_reaction(Hdf5File& file, const std::string& name, const Impulses& r) {
-  std::vector<double> flat;
-  for (const Vec3& x : r) flat.insert(flat.end(), {x.x(), x.y(), x.z()});
-  file.write<double>(name, flat, {.columns = 3});
-}
-
 }  // namespace
 
 int command_solve(const SolveOptions& o) {
@@ -179,13 +208,14 @@ int command_solve(const SolveOptions& o) {
     for (const std::string& target : {o.out, o.solution}) require_not_the_input(target, path);
   const auto solvers = chosen(o.methods);
   set_thread_count(1);  // the time is that of one core
-  std::unique_ptr<Hdf5File> solution;
-  if (!o.solution.empty()) solution = std::make_unique<Hdf5File>(o.solution, Hdf5File::Mode::create);
+  std::unique_ptr<SolutionFile> solution;
+  if (!o.solution.empty()) solution = std::make_unique<SolutionFile>(o.solution);
   std::vector<Row> rows;
   const bool to_stdout = o.out.empty() && !o.json;
   if (to_stdout) print(csv({}));
   for (const std::string& path : o.problems) {
     const ProblemFile file = read_problem(path);
+    if (solution) solution->begin_problem(file.name);
     const ConeProblem problem = blocks_of(file);
     const double sweep = sweep_ms(problem);
     for (const SolverEntry* entry : solvers) {
@@ -198,9 +228,9 @@ int command_solve(const SolveOptions& o) {
         print(line.substr(line.find('\n') + 1));
         flush_printed();
       }
-      const std::string name = solvers.size() > 1 ? file.name + "/" + entry->entry.name : file.name;
-      if (solution) write_reaction(*solution, name + "/reaction", r);
+      if (solution) solution->add(rows.back(), std::move(r), solvers.size() == 1);
     }
+    if (solution) solution->end_problem(file.name);
   }
   if (solution) solution->close();
   const std::string text = o.json ? json(rows) : csv(rows);

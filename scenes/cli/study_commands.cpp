@@ -87,7 +87,8 @@ int command_chart(const StudyOptions& o) {
     draw_chart(chart, folder);
     mark.finished = true;
     write_study_mark(folder, mark);
-    print(o.json ? chart_json(chart) : chart_verdict(chart));
+    print(o.json ? chart_json(chart) : chart_csv(chart));
+    if (!o.json) std::fputs(chart_verdict(chart).c_str(), stderr);
     if (!o.quiet)
       say(fmt::format("chart.csv, chart.svg, chart.png in {}; each point is a run like\n  {}", folder.string(),
                       chart.command));
@@ -111,7 +112,8 @@ int command_limits(const StudyOptions& o) {
     draw_limits(map, folder);
     mark.finished = true;
     write_study_mark(folder, mark);
-    print(o.json ? limits_json(map) : limits_verdict(map));
+    print(o.json ? limits_json(map) : limits_csv(map));
+    if (!o.json) std::fputs(limits_verdict(map).c_str(), stderr);
     if (!o.quiet) say(fmt::format("limits.csv and pictures in {}", folder.string()));
   }
   return exit_done;
@@ -174,18 +176,27 @@ int command_sweep(const StudyOptions& o, const SweepOptions& s) {
 int command_bench(const StudyOptions& o, const BenchOptions& b) {
   for (const auto& name : o.files) require_not_the_input(b.out_file, scene_file(name));
   std::string csv = bench_header();
-  print(csv);
+  std::vector<BenchRow> rows;
+  if (!b.json) print(csv);
+  const auto print_now = [&](const std::string& text) {
+    print(text);
+    flush_printed();
+  };
+  const auto take = [&](const BenchRow& row) {
+    rows.push_back(row);
+    csv += bench_csv(row);
+    if (!b.json) print_now(bench_csv(row));
+  };
+  const auto remark = [&](const std::string& lines) { b.json ? say(lines) : print_now(lines); };
   for (const auto& name : o.files.empty() ? library_benchmarks() : o.files) {
     const std::string scene = existing_scene_file(name);
     const fs::path folder = fs::temp_directory_path() / fmt::format("epafi-bench-{}", getpid());
-    run_bench({scene, o.overrides, b.threads, b.repeats, folder, b.copies}, [&](const std::string& row) {
-      print(row);
-      flush_printed();
-      if (!row.starts_with("#")) csv += row;
-    });
+    run_bench({scene, o.overrides, b.threads, b.repeats, folder, b.copies}, take, remark);
     fs::remove_all(folder);
   }
-  if (!b.out_file.empty()) write_whole_file(b.out_file, {csv});
+  const std::string json = b.json ? bench_json(rows) : std::string();
+  if (b.json) print(json);
+  if (!b.out_file.empty()) write_whole_file(b.out_file, {b.json ? json : csv});
   return exit_done;
 }
 

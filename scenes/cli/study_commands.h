@@ -1,4 +1,5 @@
-/// @file study_commands.h  chart, limits, sweep and bench as functions that return an exit code.
+/// @file study_commands.h  chart, limits, sweep and bench as functions that return an exit code. Rows go to stdout as
+/// CSV or JSON, verdicts and progress to stderr.
 #pragma once
 #include <string>
 #include <vector>
@@ -30,8 +31,8 @@ int command_sweep(const StudyOptions& options, const SweepOptions& sweep);
 struct BenchOptions {
   std::vector<int> threads{1, 2};
   int repeats = 3;
-  bool copies = false;
-  std::string out_file;  ///< CSV
+  bool copies = false, json = false;
+  std::string out_file;  ///< the rows, beside stdout
 };
 int command_bench(const StudyOptions& options, const BenchOptions& bench);
 

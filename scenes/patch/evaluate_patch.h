@@ -35,6 +35,7 @@ struct PatchResult {
   double error_estimate = 0.0;                ///< larger of: peak pressure, relative; force over mu N
   bool friction = false;                      ///< a tangential model was asked for
   std::vector<std::string> reasons;           ///< empty: valid
+  std::vector<std::string> notes;             ///< what a model did otherwise than written
   /// A contact was found; else `reasons` say why there is none.
   bool solved() const { return normal_force > 0.0; }
 };
@@ -55,8 +56,8 @@ struct PatchGeometry {
   int shifts = 0, standing = 0;  ///< rows, and those with contacts on both rails
 };
 PatchGeometry patch_geometry(const PatchCase& patch);
-/// A row per result, units in the heads.
-std::string patch_csv(const std::vector<PatchResult>& results);
+/// A row per result in SI. units: in the heads of the columns.
+std::string patch_csv(const std::vector<PatchResult>& results, bool units = false);
 /// One line per result for people.
 std::string patch_table(const std::vector<PatchResult>& results);
 

@@ -12,6 +12,8 @@
 namespace epafi {
 
 const NormalModel& normal_model(const std::string& name);
+/// Seconds a solution, 1 % off.
+inline bool is_finite_elements(const std::string& model) { return model.starts_with("fem"); }
 
 /// A line contact and a given ellipse are Hertz whatever the name of the model.
 class PatchContactSolver {
@@ -43,12 +45,22 @@ class PatchContactSolver {
   SlipBesidePlane slip_beside_plane(const ContactRegion& region, const NormalPatch& patch) const;
   double depth() const { return wheel_->depth; }      ///< that the load brings the wheel down by, estimated [m]
   double lowered() const { return wheel_->lowered; }  ///< that it is brought down by [m]
-  double seconds() const { return seconds_; }         ///< of processor time
+  /// Of processor time: for the geometry, and since begin_pair() by solutions that were found before.
+  double seconds() const { return seconds_ + remembered_seconds_; }
+  void begin_pair() { remembered_seconds_ = 0.0; }
 
   bool rough = false;                ///< strips need not settle yet: the wheel will be seated anew
   std::vector<std::string> reasons;  ///< why nothing of this case should be trusted
 
  private:
+  /// A solution by finite elements, which take seconds: tangential models mostly ask for the same ones.
+  struct Known {
+    std::string model;
+    double target, lowered, approach;
+    std::vector<RegionPatch> patches;
+    double seconds;
+  };
+  std::vector<RegionPatch> remembered(const NormalModel& model, const NormalTarget& target);
   bool too_shallow() const;
   void place_wheel(const ProfileCase& p);
   double loaded_radius(const ProfileCase& p, const WheelsetPosition& position);
@@ -63,6 +75,8 @@ class PatchContactSolver {
   std::vector<StripStart> strips_ = std::vector<StripStart>(1);
   double mean_radius_ = 0.0;  ///< speed over angular velocity of the wheelset [m]
   double seconds_ = 0.0;
+  std::vector<Known> known_;
+  double remembered_seconds_ = 0.0;
   std::string missing_;    ///< why there is no contact
   bool stresses_ = false;  ///< finite elements keep those inside the body
 };

@@ -34,10 +34,15 @@ std::string contact_json(const PatchContact& c, bool friction) {
   return object(m);
 }
 
+std::string list_json(const std::vector<std::string>& texts) {
+  std::string out;
+  for (const auto& text : texts) out += (out.empty() ? "" : ", ") + json_text(text);
+  return "[" + out + "]";
+}
+
 std::string result_json(const PatchResult& r) {
-  std::string contacts, reasons;
+  std::string contacts;
   for (const auto& c : r.contacts) contacts += (contacts.empty() ? "" : ", ") + contact_json(c, r.friction);
-  for (const auto& text : r.reasons) reasons += (reasons.empty() ? "" : ", ") + json_text(text);
   Members m{{"normal", json_text(r.normal)}};
   if (r.friction) m.push_back({"tangential", json_text(r.tangential)});
   m.push_back({"normal_force", json_number(r.normal_force)});
@@ -57,7 +62,8 @@ std::string result_json(const PatchResult& r) {
   m.push_back({"milliseconds", json_number(r.milliseconds)});
   m.push_back({"error_estimate", json_number(r.error_estimate)});
   m.push_back({"valid", r.reasons.empty() ? "true" : "false"});
-  m.push_back({"reasons", "[" + reasons + "]"});
+  m.push_back({"reasons", list_json(r.reasons)});
+  if (!r.notes.empty()) m.push_back({"notes", list_json(r.notes)});
   return "  " + object(m);
 }
 
@@ -85,15 +91,18 @@ std::string patch_table(const std::vector<PatchResult>& results) {
   return out;
 }
 
-std::string patch_csv(const std::vector<PatchResult>& results) {
+std::string patch_csv(const std::vector<PatchResult>& results, bool units) {
   std::string out =
-      "normal,tangential,normal_force [N],approach [m],max_pressure [Pa],area [m2],fx [N],fy [N],mz [N m],stick_share,"
-      "milliseconds,error_estimate,valid,reasons\n";
+      units ? "normal,tangential,normal_force [N],approach [m],max_pressure [Pa],area [m2],fx [N],fy [N],mz [N m],"
+              "stick_share,wear_number [N],milliseconds,error_estimate,valid,reasons\n"
+            : "normal,tangential,normal_force,approach,max_pressure,area,fx,fy,mz,"
+              "stick_share,wear_number,milliseconds,error_estimate,valid,reasons\n";
   for (const PatchResult& r : results) {
     out += fmt::format("{},{},{:.6g},{:.6g},{:.6g},{:.6g},", r.normal, r.friction ? r.tangential : "", r.normal_force,
                        r.approach, r.max_pressure, r.area);
     out += r.friction ? fmt::format("{:.6g},{:.6g},{:.6g},", r.force.fx, r.force.fy, r.force.mz) : ",,,";
     out += r.friction && r.stick_share >= 0.0 ? fmt::format("{:.4g},", r.stick_share) : ",";
+    out += r.friction ? fmt::format("{:.6g},", r.wear_number) : ",";
     std::string reasons;
     for (const std::string& text : r.reasons) reasons += (reasons.empty() ? "" : "; ") + text;
     std::replace(reasons.begin(), reasons.end(), '"', '\'');

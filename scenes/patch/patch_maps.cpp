@@ -276,7 +276,7 @@ std::string vtr_of(const BlockStress& b) {
 
 void write_patch_maps(const std::string& folder, const std::vector<PatchResult>& results, const std::string& title) {
   std::filesystem::create_directories(folder);
-  write_whole_file(std::filesystem::path(folder) / "patch.csv", {patch_csv(results)});
+  write_whole_file(std::filesystem::path(folder) / "patch.csv", {patch_csv(results, true)});
   for (const auto& r : results) {
     for (std::size_t k = 0; k < r.contacts.size(); ++k) {
       if (const auto& inside = r.contacts[k].stress)

@@ -187,6 +187,23 @@ std::optional<std::size_t> index_in(const std::string& name, const std::string& 
   return std::stoul(digits);
 }
 
+/// The body of that name; of a table repeated by two or three counts NAME[n] is its n-th body, in the order of the
+/// file.
+void add_copy(NamedBodies& found, const GroupSpec& group, const std::string& name) {
+  for (std::size_t k = 0; k < group.count; ++k)
+    if (body_name(group, k) == name) return found.bodies.push_back({group.first + k, 1});
+  const auto number = index_in(name, group.name);
+  if (number && group.repeat.size() > 1 && *number < group.count) found.bodies.push_back({group.first + *number, 1});
+}
+
+/// "stack[0] to stack[9]" where a body of that group is named wrongly.
+std::string names_of_copies(const Scene& scene, const std::string& name) {
+  for (const GroupSpec& group : scene.groups)
+    if (!group.name.empty() && group.count > 0 && name.starts_with(group.name + "[") && !group.repeat.empty())
+      return "; its bodies are " + body_name(group, 0) + " to " + body_name(group, group.count - 1);
+  return {};
+}
+
 /// A table of that name stands in the file and was told to be wrong: who names it has made no other mistake.
 bool is_written(const Reading& reading, const std::string& name) {
   const std::string plain = name.substr(0, name.find('['));
@@ -209,8 +226,7 @@ NamedBodies find_bodies(Draft& draft, const std::string& name, const Place& plac
   for (const auto& group : draft.scene.groups) {
     const bool whole = group.name == name, maybe_one = !group.name.empty() && name.rfind(group.name + "[", 0) == 0;
     if (whole && group.count > 0) found.bodies.push_back({group.first, group.count});
-    for (std::size_t k = 0; k < group.count && maybe_one; ++k)
-      if (body_name(group, k) == name) found.bodies.push_back({group.first + k, 1});
+    if (maybe_one) add_copy(found, group, name);
     if (!group.name.empty()) names.push_back(group.name);
     if (whole || group.group != name || name.empty()) continue;
     if (group.count > 0) found.bodies.push_back({group.first, group.count});
@@ -226,8 +242,11 @@ NamedBodies find_bodies(Draft& draft, const std::string& name, const Place& plac
     if (!fill.group.empty()) names.push_back(fill.group);
   }
   const bool told = draft.reading.errors() > 0 && is_written(draft.reading, name);
-  if (found.bodies.empty() && found.fills.empty() && !told)
-    draft.reading.error(place, "unknown body '" + name + "' in " + label + suggestion(name, names, "bodies"));
+  if (found.bodies.empty() && found.fills.empty() && !told) {
+    const std::string copies = names_of_copies(draft.scene, name);
+    draft.reading.error(place, "unknown body '" + name + "' in " + label +
+                                   (copies.empty() ? suggestion(name, names, "bodies") : copies));
+  }
   return found;
 }
 

@@ -42,10 +42,17 @@ void keep_used(const TableValues& values, const std::vector<Field>& used, const 
   }
 }
 
+/// A table of the method that the scene does not run by.
+void warn_of_unused(Reading& reading, const std::string& table, const char* method) {
+  if (const Node* node = find_table(reading, table))
+    reading.warning(node->place, "[" + table + "] is not used by method '" + method + "'");
+}
+
 Laws read_smooth(Draft& draft, bool active) {
   Reading& reading = draft.reading;
   const auto& registry = reading.registry;
   const Node& table = table_or_empty(reading, "contact.smooth");
+  if (!active) warn_of_unused(reading, "contact.smooth", "nonsmooth");
   auto& contact = draft.scene.contact;
   auto fields = reading.schema.at("contact.smooth").fields;
   const LawChoice written{peek(table, "law"), peek(table, "tangential"), peek(table, "rolling")};
@@ -79,6 +86,7 @@ void read_nonsmooth(Draft& draft, bool active) {
   Reading& reading = draft.reading;
   const auto& solvers = reading.registry.solvers;
   const Node& table = table_or_empty(reading, "contact.nonsmooth");
+  if (!active) warn_of_unused(reading, "contact.nonsmooth", "smooth");
   auto& contact = draft.scene.contact;
   const std::vector<Field> word{reading.schema.at("contact.nonsmooth").fields.front()};
   const std::string written = peek(table, "solver");

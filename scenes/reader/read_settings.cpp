@@ -16,11 +16,14 @@ void read_scheme(Draft& draft, const TableValues& run) {
   const Node* method = contact ? contact->find("method") : nullptr;
   const bool nonsmooth = method && method->text == "nonsmooth";
   const auto& fitting = nonsmooth ? reading.registry.nonsmooth_schemes : reading.registry.smooth_schemes;
+  const std::string of_method = fitting.empty() ? "" : fitting.front();
   if (!scheme.written()) {
-    scheme.value = fitting.empty() ? "" : fitting.front();
-  } else if (!scheme.value.empty() && std::find(fitting.begin(), fitting.end(), scheme.value) == fitting.end()) {
-    reading.error(scheme.place, "[run] scheme '" + scheme.value + "' does not work with method '" +
-                                    (nonsmooth ? "nonsmooth" : "smooth") + "'" + suggestion("", fitting, "available"));
+    scheme.value = of_method;
+  } else if (!scheme.value.empty() && std::ranges::find(fitting, scheme.value) == fitting.end()) {
+    // one scene runs by both methods: what it says of the other one is no mistake
+    reading.warning(scheme.place, "[run] scheme '" + scheme.value + "' is not used by method '" +
+                                      (nonsmooth ? "nonsmooth" : "smooth") + "', which takes '" + of_method + "'");
+    scheme.value = of_method;
   }
 }
 

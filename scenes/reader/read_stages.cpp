@@ -98,7 +98,7 @@ void check_stage(Draft& draft) {
   if (watched->interval > stage.duration * (1.0 + 1e-9))
     draft.reading.error(stage.place, label + ": the measure '" + watched->name + "' has an interval of " +
                                          format_number(watched->interval) + " s, longer than at_most = " +
-                                         format_number(stage.duration) + " s; nobody would look at it");
+                                         format_number(stage.duration) + " s; the stage would never see its value");
   for (const NamedBodies& bodies : watched->bodies)
     if (are_gone(draft.scene, bodies))
       return draft.reading.error(stage.place, label + ": the bodies of the measure '" + watched->name +

@@ -255,19 +255,18 @@ std::optional<Servo> read_servo_of(Reading& reading, const TableValues& v, const
       servo.proportional = gains[0];
       servo.integral = gains[1];
     }
-  } else if (!v.has("servo.mass")) {
-    reading.error(place,
-                  label + " motion servo: write mass, the inertia of the wall, or gains = [proportional, integral]");
   }
-  if (!v.has("servo.max_speed") || !v.has("servo.direction")) return std::nullopt;
   servo.force = force ? v.number("servo.force") : v.number_or("servo.stress", 0.0) * v.number_or("servo.area", 0.0);
-  servo.mass = v.number_or("servo.mass", 1.0);
-  servo.max_speed = v.number("servo.max_speed");
+  servo.mass = v.number_or("servo.mass", servo.has_gains() ? 1.0 : 0.0);
+  servo.max_speed = v.number_or("servo.max_speed", 0.0);
   servo.from = v.number_or("from", 0.0);
   servo.until = v.number_or("until", infinity);
-  if (const auto unit = unit_vector(reading, v.vec3("servo.direction"), v.place_of("servo.direction"),
-                                    label + " motion servo direction"))
-    servo.direction = *unit;
+  servo.direction = Vec3::Zero();
+  if (v.has("servo.direction")) {
+    const auto unit = unit_vector(reading, v.vec3("servo.direction"), v.place_of("servo.direction"),
+                                  label + " motion servo direction");
+    if (unit) servo.direction = *unit;
+  }
   return servo;
 }
 

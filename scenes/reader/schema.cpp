@@ -132,11 +132,14 @@ std::vector<Field> servo_fields() {
       optional("force", "F", "N", Kind::number, positive, "force to press with, or stress and area"),
       optional("stress", "", "Pa", Kind::number, positive, "stress to press with"),
       optional("area", "", "m^2", Kind::number, positive, "area that the stress acts on"),
-      required("direction", "", "", Kind::vec3, {}, "it presses along this, any length"),
-      optional("mass", "m", "kg", Kind::number, positive, "inertia of the wall; not with gains"),
+      optional("direction", "", "", Kind::vec3, {},
+               "it presses along this, any length; with gravity where not written"),
+      optional("mass", "m", "kg", Kind::number, positive,
+               "inertia of the wall; the body's own where not written; not with gains"),
       optional("gains", "", "", Kind::numbers, {},
                "proportional [m/(N s)] and integral [m/(N s^2)] of a PI loop, which carries the force while it moves"),
-      required("max_speed", "", "m/s", Kind::number, positive, "speed without resistance")};
+      optional("max_speed", "v", "m/s", Kind::number, positive,
+               "speed without resistance; sqrt(F d/m) where not written, d the smallest free body's diameter")};
 }
 
 std::vector<Field> motion_fields() {
@@ -173,9 +176,8 @@ Field repeat_field(const char* help) { return optional("repeat", "", "", Kind::i
 Field place_field() {
   return with_default(
       word("place",
-           "what position speaks of: the centre of mass, or the origin of the file or of the written corners; "
-           "orientation is "
-           "that of the axes of file or corners in both, a mesh or plane that does not move always stands as drawn",
+           "position is that of the centre of mass, or of the origin of file or corners; meshes and planes that do not "
+           "move stand as drawn",
            {"centre", "as-drawn"}),
       Value(std::string("centre")));
 }
@@ -203,9 +205,8 @@ TableSchema body_table() {
                     Value(false)),
        with_default(
            required("on_rails", "", "", Kind::boolean, {},
-                    "a wheelset stands on the rails of the scene's track at the start, pressed in by its load: "
-                    "height and roll are found, position and orientation give its place along and beside the "
-                    "track, its yaw and the turn of its wheels"),
+                    "a wheelset starts on the rails, pressed in by its load: height and roll are found, the rest of "
+                    "position and orientation is as written"),
            Value(false)),
        with_default(required("position", "x", "m", Kind::vec3, {}, "of what `place` says"), Value(zero)), place_field(),
        optional("orientation", "q", "", Kind::quaternion, {}, "unit quaternion w x y z"),
@@ -316,7 +317,7 @@ TableSchema measure_table(const Registry& registry) {
               repeat_field("number of copies n (index i) or [l, m, n]; a body's name may be \"ball[i]\""),
               word("kind", "what is measured", names_of(registry.measures)),
               optional("interval", "", "s", Kind::number, not_negative,
-                       "time between values; 0 is every step; where not written, every step is looked at and "
+                       "time between values; 0 is every step; where not written, every step is evaluated and "
                        "10 000 at most are written"),
               optional("group", "", "", Kind::text, {}, "name of a group of bodies, in place of body")} +
               as_optional(united_fields(registry.measures))};

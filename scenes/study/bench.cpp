@@ -13,6 +13,7 @@
 #include "scenes/study/case_run.h"
 #include "scenes/study/machine_speedup.h"
 #include "scenes/study/study_error.h"
+#include "viz_export/files/json_writer.h"
 
 namespace epafi {
 namespace {
@@ -33,16 +34,21 @@ std::vector<std::vector<std::string>> sizes_of(const Scene& scene) {
   return all;
 }
 
-std::string row(const std::string& scene, const std::string& size, int threads, const ErrorSpec& error,
+BenchRow row_of(const std::string& scene, const std::string& size, int threads, const ErrorSpec& error,
                 const CaseResult& r, const std::filesystem::path& folder) {
-  std::string line = fmt::format("{},\"{}\",{},{:.6g}", scene, size, threads, r.number("ns_per_body_step", NAN));
+  BenchRow row;
+  row.scene = scene;
+  row.size = size;
+  row.threads = threads;
+  row.ns_per_body_step = r.number("ns_per_body_step", NAN);
   for (const char* stage : stage_names)
-    line += fmt::format(",{:.6g}", r.number(std::string("stage_seconds.") + stage, 0.0));
-  const auto e = study_error(error, r, folder, {});
-  line += fmt::format(",{},{},{},{:.6g},{}\n", error.name, e ? fmt::format("{:.6g}", std::abs(*e)) : "",
-                      r.summary.text("state_hash"),
-                      r.number("peak_memory_bytes", 0.0) / std::max(1.0, r.number("bodies", 1.0)), r.status);
-  return line;
+    row.stage_seconds.push_back(r.number(std::string("stage_seconds.") + stage, 0.0));
+  row.error_measure = error.name;
+  if (const auto e = study_error(error, r, folder, {})) row.error = std::abs(*e);
+  row.state_hash = r.summary.text("state_hash");
+  row.bytes_per_body = r.number("peak_memory_bytes", 0.0) / std::max(1.0, r.number("bodies", 1.0));
+  row.status = r.status;
+  return row;
 }
 
 /// Amdahl's serial fraction of a stage from its times on 1 and n threads: t_n = t_1 (s + (1 - s) / n).
@@ -189,7 +195,31 @@ std::string bench_header() {
   return line + ",error_measure,error,state_hash,bytes_per_body,status\n";
 }
 
-void run_bench(const BenchSetup& setup, const std::function<void(const std::string&)>& print) {
+std::string bench_csv(const BenchRow& row) {
+  std::string line = fmt::format("{},\"{}\",{},{:.6g}", row.scene, row.size, row.threads, row.ns_per_body_step);
+  for (const double seconds : row.stage_seconds) line += fmt::format(",{:.6g}", seconds);
+  return line + fmt::format(",{},{},{},{:.6g},{}\n", row.error_measure,
+                            row.error ? fmt::format("{:.6g}", *row.error) : "", row.state_hash, row.bytes_per_body,
+                            row.status);
+}
+
+std::string bench_json(const std::vector<BenchRow>& rows) {
+  JsonWriter json;
+  json.begin_array();
+  for (const BenchRow& row : rows) {
+    json.begin_object().member("scene", row.scene).member("size", row.size).member("threads", row.threads);
+    json.member("ns_per_body_step", row.ns_per_body_step);
+    for (std::size_t k = 0; k < row.stage_seconds.size(); ++k)
+      json.member(std::string(stage_names[k]) + "_seconds", row.stage_seconds[k]);
+    json.member("error_measure", row.error_measure).member("error", row.error).member("state_hash", row.state_hash);
+    json.member("bytes_per_body", row.bytes_per_body).member("status", row.status).end_object();
+  }
+  json.end_array();
+  return json.text() + "\n";
+}
+
+void run_bench(const BenchSetup& setup, const std::function<void(const BenchRow&)>& print,
+               const std::function<void(const std::string&)>& remark) {
   const ReadResult read = read_scene(setup.scene, setup.overrides, full_registry());
   if (!read.scene) throw SceneError(read.problems);
   ErrorSpec error;
@@ -203,8 +233,8 @@ void run_bench(const BenchSetup& setup, const std::function<void(const std::stri
     }
     const std::vector<const CaseResult*> medians = size.medians();
     for (std::size_t k = 0; k < medians.size(); ++k)
-      print(row(setup.scene, size.label, setup.threads[k], error, *medians[k], size.cases[k].folder));
-    if (const std::string table = amdahl_table(medians, setup.threads); !table.empty()) print(table + machine.lines());
+      print(row_of(setup.scene, size.label, setup.threads[k], error, *medians[k], size.cases[k].folder));
+    if (const std::string table = amdahl_table(medians, setup.threads); !table.empty()) remark(table + machine.lines());
   }
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,12 +19,29 @@ struct BenchSetup {
   std::string program = "/proc/self/exe";  ///< that runs the cases
 };
 
+/// Median run of one size at one number of threads.
+struct BenchRow {
+  std::string scene, size;
+  int threads = 1;
+  double ns_per_body_step = 0.0;
+  std::vector<double> stage_seconds;  ///< by stage_names
+  std::string error_measure;
+  std::optional<double> error;
+  std::string state_hash;
+  double bytes_per_body = 0.0;
+  std::string status;
+};
+
 std::string bench_header();
+std::string bench_csv(const BenchRow& row);
+/// A list of objects with the names of the header.
+std::string bench_json(const std::vector<BenchRow>& rows);
 
 /// Runs every size of [benchmark] (the scene as it is where it has none) at every number of threads; repeats take
 /// turns. After the rows of a size come the serial part of each stage, Amdahl's fractions, and what the machine gives
-/// (machine_speedup.h; with `copies` also to this very scene), lines that begin with "#". Throws SceneError where the
-/// state hash depends on the threads.
-void run_bench(const BenchSetup& setup, const std::function<void(const std::string& row)>& print);
+/// (machine_speedup.h; with `copies` also to this very scene), `remark`: lines that begin with "#". Throws SceneError
+/// where the state hash depends on the threads.
+void run_bench(const BenchSetup& setup, const std::function<void(const BenchRow&)>& print,
+               const std::function<void(const std::string&)>& remark);
 
 }  // namespace epafi

@@ -32,6 +32,7 @@ std::string limits_csv(const LimitMap& map) {
 }
 
 std::string limits_json(const LimitMap& map) {
+  const auto& parameters = map.study.parameters;
   JsonWriter json;
   json.begin_object().member("title", map.study.title).member("scene", map.study.scene).key("limits").begin_array();
   for (const auto& l : map.limits) {
@@ -44,6 +45,16 @@ std::string limits_json(const LimitMap& map) {
         .member("first_failing", l.first_failing);
     json.member("kind_of_failure", l.kind).member("theory", l.theory).end_object();
   }
+  json.end_array().key("cases").begin_array();
+  for (const auto& c : map.cases)
+    json.begin_object()
+        .member("method", map.study.methods[c.method].name)
+        .member("settings", map.study.methods[c.method].settings())
+        .member("parameter", parameters.back().key)
+        .member("value", c.at.back())
+        .member("status", c.status)
+        .member("kind_of_failure", c.kind)
+        .end_object();
   json.end_array().end_object();
   return json.text() + "\n";
 }

@@ -15,7 +15,8 @@ def main():
     tree = Path(sys.argv[1]).resolve()
     rest = sys.argv[2:]
     build = Path(rest.pop(0)) if rest and not rest[0].isdigit() else tree / "build"
-    lines = [l.rstrip("\n") for l in open(Path(__file__).parent / "table.txt", encoding="utf8") if l.strip() and not l.startswith("#")]
+    lines = [l.rstrip("\n") for l in open(Path(__file__).parent / "table.txt", encoding="utf8") if l.strip()
+             and not l.startswith("#")]
     table = [[cell.strip() for cell in l.split(" | ")] for l in lines]
     texts = {}
     for k, (file, _, change, new) in enumerate(table, 1):
@@ -32,20 +33,23 @@ def main():
         guard = "#ifndef EPAFI_MUTANTS\n#define EPAFI_MUTANTS\n" + HEAD + "#endif\n"
         (tree / file).write_text(text.replace(mark, mark + "\n" + guard, 1) if mark else guard + text, encoding="utf8")
     programs = sorted({row[1] for row in table})
-    subprocess.run(["ninja", "-j2", "-C", str(build)] + [f"test_{p}" for p in programs], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(["ninja", "-j2", "-C", str(build)] + [f"test_{p}" for p in programs], check=True,
+                   stdout=subprocess.DEVNULL)
     wanted = [int(n) for n in rest] or range(1, len(table) + 1)
 
     def passes(k, program, chosen):
         env = dict(os.environ, EPAFI_MUTANT=str(k), OMP_WAIT_POLICY="passive")
         args = [str(build / "tests" / f"test_{program}"), chosen, "--abort"]
         try:
-            return subprocess.run(args, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=300).returncode == 0
+            return subprocess.run(args, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                                  timeout=300).returncode == 0
         except subprocess.TimeoutExpired:
             return False  # a search that no longer ends is noticed
 
     fast = "~[slow]~[.]~[random]"
     # tests of other files of the folder, most of the time: asked last
-    others = {"detection": ["broad"], "laws": ["nonsmooth", "wheel_rail", "pgs", "newton", "lcp", "factor", "coloring", "cone"]}
+    others = {"detection": ["broad"], "laws": ["nonsmooth", "wheel_rail", "pgs", "newton", "lcp", "factor", "coloring",
+                                               "cone"]}
 
     def survives(k, program):
         first = fast + "".join(f"~[{tag}]" for tag in others[program])

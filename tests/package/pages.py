@@ -2,7 +2,8 @@
 """Pages of the tree: their links lead somewhere, and the scenes in docs/coming_from.md are accepted.
 
   pages.py links            every relative link and heading of every page is there (tools/count_style.py)
-  pages.py scenes PROGRAM   each ```toml block of docs/coming_from.md: `epafi check`, cases with [patch] by `epafi patch`
+  pages.py scenes PROGRAM   each ```toml block of docs/coming_from.md: `epafi check`, cases with [patch] by `epafi
+  patch`
 """
 import pathlib
 import re
@@ -24,7 +25,8 @@ def check_scenes(program):
             path = pathlib.Path(folder) / f"scene_{number}.toml"
             path.write_text(scene)
             command = "patch" if "[patch]" in scene else "check"
-            ran = subprocess.run([pathlib.Path(program).resolve(), command, path], capture_output=True, text=True, cwd=folder)
+            ran = subprocess.run([pathlib.Path(program).resolve(), command, path], capture_output=True, text=True,
+                                 cwd=folder)
             if ran.returncode != 0:
                 print(f"scene {number} of docs/coming_from.md, {command}:\n{ran.stdout}{ran.stderr}")
                 refused += 1

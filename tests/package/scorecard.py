@@ -88,7 +88,8 @@ def check_measures():
     def rolls(t, v0=2.0, r=0.05, mu=0.2):
         t_roll = 2 * v0 / (7 * mu * G)
         v = v0 - mu * G * min(t, t_roll)
-        return [state(load("rolling").scene().bodies[0], velocity=(v, 0, 0), spin=(0, 2.5 * mu * G * min(t, t_roll) / r, 0))]
+        return [state(load("rolling").scene().bodies[0], velocity=(v, 0, 0),
+                      spin=(0, 2.5 * mu * G * min(t, t_roll) / r, 0))]
 
     found = error_of("rolling", rolls, 1000)
     assert found["speed"] < 1e-12 and found["onset"] < 1e-12, found
@@ -112,7 +113,8 @@ def check_measures():
 
 
 def check_engines():
-    """Every engine has a row or a reason for every problem, and an answer to one; no driver hides a package that it opens."""
+    """Every engine has a row or a reason for every problem, and an answer to one; no driver hides a package that it
+    opens."""
     answers = {r["engine"] for r in read(TABLE) if good(r)}
     for engine in all_engines():
         assert os.path.exists(os.path.join(ROOT, "perf", "scorecard", "engines", engine.source)), engine.name
@@ -131,7 +133,8 @@ def check_pages():
     for file, text in pages(table, os.path.dirname(TABLE)).items():
         with open(os.path.join(ROOT, "docs", "scorecard", file)) as f:
             assert f.read() == text, file + " is not what `run.py --pages` writes"
-    verdicts = [line.split("|")[-2].strip() for line in pages(table, os.path.dirname(TABLE))["README.md"].splitlines() if "](" in line and ".md)" in line and line[0] == "|"]
+    verdicts = [line.split("|")[-2].strip() for line in pages(table, os.path.dirname(TABLE))["README.md"].splitlines()
+                if "](" in line and ".md)" in line and line[0] == "|"]
     with open(os.path.join(ROOT, "README.md")) as f:
         claim = re.search(r"In (\w+) of (\w+) such tables", f.read())
     assert claim.groups() == (NUMBERS[verdicts.count("yes")], NUMBERS[len(verdicts)]), verdicts
@@ -139,16 +142,20 @@ def check_pages():
         rows = [r for r in table if (r["problem"], r["measure"]) == name]
         best = front(rows)
         for r in filter(good, rows):
-            beaten = any(float(b["seconds"]) <= float(r["seconds"]) and float(b["error"]) <= max(float(r["error"]), 1e-12) for b in best)
+            beaten = any(float(b["seconds"]) <= float(r["seconds"])
+                         and float(b["error"]) <= max(float(r["error"]), 1e-12) for b in best)
             assert beaten or r in best, r
 
 
 def check_arguments():
     """What is no engine, problem, duration or number is refused with what is."""
-    for words, said in ((["--engine", "Nobody"], "there is no engine 'Nobody'; there are Epafi"), (["--problem", "none"], "there are stack, heavy"),
-                        (["--budget", "foo"], "write 90s"), (["--turns", "0"], "no number from 1 on"), (["--limit", "-1"], "no number from 1 on"),
+    for words, said in ((["--engine", "Nobody"], "there is no engine 'Nobody'; there are Epafi"),
+                        (["--problem", "none"], "there are stack, heavy"),
+                        (["--budget", "foo"], "write 90s"), (["--turns", "0"], "no number from 1 on"),
+                        (["--limit", "-1"], "no number from 1 on"),
                         (["--table", "nowhere/t.csv"], "there is no '")):
-        ran = subprocess.run([sys.executable, os.path.join(ROOT, "perf", "scorecard", "run.py"), "--no-install", "--as-built", *words],
+        ran = subprocess.run([sys.executable, os.path.join(ROOT, "perf", "scorecard", "run.py"), "--no-install",
+                              "--as-built", *words],
                              capture_output=True, text=True)
         assert ran.returncode != 0 and said in ran.stderr and "Traceback" not in ran.stderr, (words, ran.stderr)
 
@@ -163,11 +170,14 @@ def check_rows():
 
 
 def check_run(build):
-    """Newton's method holds 1:1000 and the incline; ODE, whose pyramid is around the cone, does not let the box slide."""
+    """Newton's method holds 1:1000 and the incline; ODE, whose pyramid is around the cone, does not let the box
+    slide."""
     with tempfile.TemporaryDirectory() as folder:
         table = os.path.join(folder, "rows.csv")
-        subprocess.run([sys.executable, os.path.join(ROOT, "perf", "scorecard", "run.py"), "--no-install", "--engine", "Epafi", "ODE", "--problem",
-                        "slide", "heavy", "--turns", "1", "--limit", "20", "--build", build, "--table", table], check=True)
+        subprocess.run([sys.executable, os.path.join(ROOT, "perf", "scorecard", "run.py"), "--no-install", "--engine",
+                        "Epafi", "ODE", "--problem",
+                        "slide", "heavy", "--turns", "1", "--limit", "20", "--build", build, "--table", table],
+                        check=True)
         with open(table) as file:
             rows = list(csv.DictReader(file))
     ours = [r for r in rows if r["engine"] == "Epafi" and "newton" in r["settings"]]

@@ -350,7 +350,7 @@ TEST_CASE("discharge through a hole goes like (D - k d)^2.5 (case A38)", "[physi
             << rate[2] / rate[0]);
   CHECK(best > 1.2);
   // These two fail: k 1.62 to 1.70 and ratios of 4.99 to 5.11 have been seen, soft, stiff and rigid
-  // (docs/granular.md).
+  // (docs/granular_statistics.md).
   CHECK(best < 1.6);
   CHECK(rate[2] / rate[0] == Approx(4.779).epsilon(0.05));
   CHECK(fit(x, y).slope == Approx(2.5).margin(0.05));

@@ -34,7 +34,8 @@ before = position.copy()
 run.step(1500)  # bodies are sorted after 1000
 summary = program_summary(scene, 1500, overrides)
 check(run.state_hash == summary["state_hash"], "the state hash of the program")
-check(run.measures()["outflow"]["mass"]["last"] == summary["measures"]["outflow"]["mass"]["last"], "the program's measure")
+check(run.measures()["outflow"]["mass"]["last"] == summary["measures"]["outflow"]["mass"]["last"],
+      "the program's measure")
 check(abs(run.energy()["kinetic"] - summary["energy"]["kinetic"]) == 0.0, "the program's kinetic energy")
 check(np.shares_memory(position, run.position), "the view taken at the start is still the column")
 check(not np.array_equal(position, before), "and it has moved along")
@@ -60,7 +61,8 @@ felt = np.zeros((bed.id.max() + 1, 3))
 np.add.at(felt, bodies[:, 0], force)
 np.add.at(felt, bodies[:, 1], -force)
 moves = bed.inverse_mass > 0
-check(np.allclose(felt[bed.id[moves]], bed.force[moves], rtol=0, atol=1e-12 * np.abs(bed.force).max()), "forces of contacts are those of the bodies")
+check(np.allclose(felt[bed.id[moves]], bed.force[moves], rtol=0, atol=1e-12 * np.abs(bed.force).max()),
+      "forces of contacts are those of the bodies")
 kept = gap.copy()
 bed.step(500)
 check(np.array_equal(gap, kept), "arrays of contacts stay as they were")
@@ -70,7 +72,8 @@ drop = epafi.build({
     "run": {"duration": 1.0, "time_step": 1e-3}, "world": {"gravity": [0, 0, -9.81]},
     "material": {"m": {"density": 1000.0, "youngs_modulus": "1 MPa", "poissons_ratio": 0.3}},
     "contact": {"method": "smooth", "restitution": 0.5, "friction": 0.0, "smooth": {"law": "hertz"}},
-    "body": [{"name": "ball", "shape": {"sphere": {"radius": 0.1}}, "material": "m", "position": list(np.array([0, 0, 5.0]))}],
+    "body": [{"name": "ball", "shape": {"sphere": {"radius": 0.1}}, "material": "m",
+              "position": list(np.array([0, 0, 5.0]))}],
 })
 drop.step(500)
 check(abs(drop.position[0, 2] - (5.0 - 0.5 * 9.81 * 0.25)) < 1e-12, "free fall is exact for velocity Verlet")

@@ -11,7 +11,9 @@
 #include <set>
 #include <sstream>
 
+#include "scenes/cli/commands.h"
 #include "scenes/patch/evaluate_patch.h"
+#include "tests/support/captured.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;
@@ -316,4 +318,69 @@ TEST_CASE("what is wrong with a case is named with its place", "[scenes][wheel_r
   CHECK(problems("[material.steel]\nshear_modulus = 82e9\npoissons_ratio = 0.28\n[patch]\nload = 1\nsemi_axes = { a = "
                  "1, b = 1 }\ntangential = \"polach\"\n")
             .find("missing key 'friction'") != std::string::npos);
+}
+
+TEST_CASE("a grid for boundary elements leaves finite elements to their own, with a note",
+          "[scenes][wheel_rail][long]") {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> axis(0.3, 0.9), load(5e3, 8e4);
+  for (int k = 0; k < 2; ++k) {
+    const std::string both = fmt::format("load = {:.6g}\nradii = {{ x1 = {:.4g}, x2 = inf, y1 = inf, y2 = {:.4g} }}\n",
+                                         load(random), axis(random), axis(random));
+    const auto fine = run(both + "normal = [\"hertz\", \"fem\"]\ngrid = { dx = 1e-4, dy = 1e-4 }\n");
+    INFO(both);
+    REQUIRE(fine[1].notes.size() == 1);
+    CHECK_THAT(fine[1].notes[0], Catch::Contains("at most 24 across"));
+    CHECK(fine[1].reasons.empty());
+    // of eight elements: as near to Hertz as the error estimate says
+    CHECK(fine[1].error_estimate >= 0.01);
+    CHECK(fine[1].error_estimate < 0.02);
+    CHECK(fine[1].max_pressure == Approx(fine[0].max_pressure).epsilon(fine[1].error_estimate));
+    CHECK(fine[1].approach == Approx(fine[0].approach).epsilon(0.01));
+    if (k > 0) continue;
+    const auto own = run(both + "normal = \"fem\"\n");
+    CHECK(own[0].notes.empty());
+    CHECK(own[0].max_pressure == fine[1].max_pressure);
+  }
+}
+
+TEST_CASE("patch prints rows of CSV, JSON and a table that say the same, into a file where asked",
+          "[scenes][wheel_rail]") {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "case.toml").string();
+  std::ofstream(file) << head << "[patch]\nload = 5e4\nsemi_axes = { a = 6e-3, b = 4e-3 }\n"
+                      << "creepage = { longitudinal = 1e-3 }\ntangential = [\"polach\", \"fastsim\"]\n";
+  const auto printed = [&](PatchOptions o) { return captured([&] { return command_patch({file, {}}, o); }).out; };
+  const std::string csv = printed({});
+  std::istringstream lines(csv);
+  std::string names, row;
+  std::getline(lines, names);
+  std::getline(lines, row);
+  CHECK(names ==
+        "normal,tangential,normal_force,approach,max_pressure,area,fx,fy,mz,stick_share,wear_number,milliseconds,"
+        "error_estimate,valid,reasons");
+  CHECK(row.starts_with("hertz,polach,50000,"));
+  CHECK(std::count(csv.begin(), csv.end(), '\n') == 3);
+  CHECK_THAT(printed({.json = true}), Catch::Contains("\"wear_number\"") && Catch::StartsWith("["));
+  CHECK_THAT(printed({.table = true}), Catch::Contains("Fx [N]"));
+  const std::string out = (folder / "rows.csv").string();
+  CHECK(printed({.out = out}).empty());
+  std::ifstream in(out);
+  const std::string written(std::istreambuf_iterator<char>(in), {});
+  CHECK(written.substr(0, written.find("hertz,polach,50000,")) == csv.substr(0, csv.find("hertz,polach,50000,")));
+  CHECK(std::count(written.begin(), written.end(), '\n') == 3);
+}
+
+TEST_CASE("finite elements say how far they miss two hills of pressure", "[scenes][wheel_rail][long]") {
+  // S1002 on UIC60 without cant: the head's arcs make two hills, of which 8 elements hold one; boundary elements beside
+  const std::string text = head +
+                           "[shape.wheel]\nwheel_profile = { name = \"s1002\", radius = 0.46 }\n[shape.rail]\n"
+                           "rail_profile = { name = \"uic60\", cant = \"= 1/40\" }\n[patch]\nload = 82.5e3\n"
+                           "lateral_shift = 0.0\nnormal = [\"half-space\", \"fem\"]\n";
+  const PatchReading r = read_patch_text(text, "case.toml", {});
+  REQUIRE(r.patch);
+  const auto both = evaluate_patch(*r.patch);
+  REQUIRE(both.size() == 2);
+  const double off = std::abs(both[1].max_pressure / both[0].max_pressure - 1.0);
+  CHECK(off <= both[1].error_estimate + 2.0 * both[0].error_estimate);
 }

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "scenes/reader/scene_reader.h"
 
@@ -223,8 +224,10 @@ TEST_CASE("wrong overrides are named by their own text", "[scenes][reader]") {
   const auto said = [](const std::string& text) {
     const auto result = read_scene(scene_folder + "pebbles.toml", {text}, test_registry());
     CHECK_FALSE(result.scene);
-    REQUIRE(result.problems.size() == 1);
-    return result.problems[0].to_string();
+    std::string errors;
+    for (const Problem& p : result.problems)  // the file has tables for both methods, of which one is not used
+      if (p.level == Problem::Level::error) errors += (errors.empty() ? "" : "\n") + p.to_string();
+    return errors;
   };
   CHECK(said("contact.friction=-1") ==
         "--set contact.friction=-1: error: [contact] friction = -1 is outside [0, 10] (coefficient, no unit)");
@@ -271,4 +274,28 @@ TEST_CASE("every starter scene reads without a problem", "[scenes][reader]") {
     CHECK(result.scene);
   }
   CHECK_THROWS_WITH(starter_scene("hoper"), "error: there is no starter scene 'hoper'; did you mean 'hopper'?");
+}
+
+TEST_CASE("one scene runs by both methods: what belongs to the other one is a warning", "[scenes][reader]") {
+  const std::string scene =
+      "[run]\nduration = 1\nscheme = \"velocity-verlet\"\n[contact]\nmethod = \"smooth\"\nrestitution = 1\n"
+      "friction = 0\n[contact.smooth]\nlaw = \"hertz\"\n[contact.nonsmooth]\nsolver = \"pgs\"\n"
+      "[material.a]\ndensity = 1\n";
+  for (const auto& [method, scheme, expected] :
+       {std::tuple{"smooth", "velocity-verlet", "[contact.nonsmooth] is not used by method 'smooth'"},
+        std::tuple{"nonsmooth", "moreau-jean", "[contact.smooth] is not used by method 'nonsmooth'"}}) {
+    const ReadResult r =
+        read_scene_text(scene, "both.toml", {std::string("contact.method=") + method}, full_registry());
+    REQUIRE(r.scene);
+    CHECK(r.scene->run.scheme.value == scheme);
+    std::string all;
+    for (const Problem& p : r.problems) all += p.to_string() + "\n";
+    CHECK_THAT(all, Catch::Contains(expected));
+    const bool foreign = std::string(method) == "nonsmooth";
+    const std::string of_scheme =
+        "both.toml:3:10: warning: [run] scheme 'velocity-verlet' is not used by method 'nonsmooth', which takes "
+        "'moreau-jean'";
+    CHECK((all.find(of_scheme) != std::string::npos) == foreign);
+    CHECK(r.problems.size() == (foreign ? 2 : 1));
+  }
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <random>
 #include <sstream>
 
@@ -207,6 +208,18 @@ TEST_CASE("what is damaged beside a whole run.h5 is told, and the rest shown", "
     CHECK(support::read_text(r.run / "report.html").find("shown without contacts") != std::string::npos);
     std::ofstream(damaged) << before;
   }
+  std::shuffle(contacts.begin(), contacts.end(), random);  // several at once have one warning
+  const std::ptrdiff_t several = 2 + static_cast<std::ptrdiff_t>(random() % (contacts.size() - 2));
+  std::map<fs::path, std::string> whole;
+  for (const fs::path& file : std::vector<fs::path>(contacts.begin(), contacts.begin() + several)) {
+    whole[file] = support::read_text(file);
+    std::ofstream(file) << whole[file].substr(0, 10);
+  }
+  CHECK(call_program("report " + run + " 2> " + said) == 0);
+  const std::string page = support::read_text(r.run / "report.html");
+  CHECK(page.find(std::to_string(several) + " files of contacts are damaged") != page.npos);
+  CHECK(page.find("this frame is shown without contacts") == page.npos);
+  for (const auto& [file, text] : whole) std::ofstream(file) << text;
   const std::string summary = support::read_text(r.run / "summary.json");
   for (const std::string& text : {std::string(), std::string("[]"), std::string("5"), std::string("{\"status\": 5}"),
                                   std::string("\"text\""), summary.substr(0, 1 + random() % (summary.size() - 2))}) {

@@ -1,6 +1,9 @@
 // `repeat` of springs and measures: copies as they would be written one by one. CommonMotion seen from a body that
 // moves.
+#include <fmt/format.h>
+
 #include <cmath>
+#include <random>
 
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
@@ -142,4 +145,34 @@ TEST_CASE("drift is seen from a table that moves and turns as from the ground wh
   CHECK(summary.measures.at("walker").at("sag").last == Approx(0.05 * t).epsilon(1e-9));
   CHECK(summary.measures.at("seen").at("distance").last == Approx(0.3 * t).epsilon(1e-9));
   CHECK(summary.measures.at("seen").at("sag").last == 0.0);  // it rises
+}
+
+TEST_CASE("NAME[n] is the n-th body of a table repeated by several counts", "[scenes][reader][repeat]") {
+  std::mt19937 random(3);
+  std::uniform_int_distribution<int> count(1, 5);
+  for (int trial = 0; trial < 12; ++trial) {
+    const int l = count(random), m = count(random), n = count(random);
+    const std::string grid = fmt::format(
+        "[[body]]\nname = \"grid\"\nrepeat = [{}, {}, {}]\nmaterial = \"a\"\nshape = {{ sphere = {{ radius = 0.01 }} "
+        "}}\n"
+        "position = [\"= i\", \"= j + 1\", \"= k\"]\n",
+        l, m, n);
+    const auto measured = [&](const std::string& name) {
+      return read_chain(grid + "[[measure]]\nname = \"x\"\nkind = \"position\"\nbody = \"" + name + "\"\n");
+    };
+    int number = 0;
+    for (int i = 0; i < l; ++i)
+      for (int j = 0; j < m; ++j)
+        for (int k = 0; k < n; ++k, ++number) {
+          const auto by_number = measured(fmt::format("grid[{}]", number));
+          const auto by_indices = measured(fmt::format("grid[{},{},{}]", i, j, k));
+          REQUIRE(by_number.scene);
+          REQUIRE(by_indices.scene);
+          const auto& body = by_number.scene->measures[0].bodies[0].bodies[0];
+          CHECK(body.first == by_indices.scene->measures[0].bodies[0].bodies[0].first);
+          CHECK(by_number.scene->bodies[body.first].position == Vec3(i, j + 1, k));
+        }
+    CHECK_THAT(told_of_chain(measured(fmt::format("grid[{}]", number))),
+               Catch::Contains(fmt::format("its bodies are grid[0,0,0] to grid[{},{},{}]", l - 1, m - 1, n - 1)));
+  }
 }

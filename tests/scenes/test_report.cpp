@@ -197,6 +197,27 @@ TEST_CASE("the report of a sweep plots what came out over what was swept", "[sce
   fs::remove_all(folder);
 }
 
+TEST_CASE("a folder of runs has the title of their scene, of several scenes its own name", "[scenes][report]") {
+  const fs::path folder = fs::temp_directory_path() / ("epafi-titles-" + std::to_string(::getpid())) / "collection";
+  for (const bool same : {true, false}) {
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+    for (const char* name : {"one", "two"}) {
+      const std::string title = same || name[0] == 'o' ? "A falling ball" : "Another ball";
+      std::ofstream(folder / "scene.toml")
+          << "title = \"" << title
+          << "\"\n[run]\nduration = 0.01\ntime_step = 1e-3\noutput_interval = 0.005\n[material.m]\ndensity = 1000\n"
+             "[[body]]\nshape = { sphere = { radius = 0.1 } }\nmaterial = \"m\"\n";
+      REQUIRE(shell(std::string(EPAFI_BINARY_DIR) + "/bin/epafi run " + (folder / "scene.toml").string() + " -q -o " +
+                    (folder / name).string() + " 2>/dev/null") == 0);
+    }
+    REQUIRE(shell(std::string(EPAFI_BINARY_DIR) + "/bin/epafi report " + folder.string() + " 2>/dev/null") == 0);
+    const std::string page = epafi::support::read_text(folder / "report.html");
+    CHECK(count(page, same ? "<h1>A falling ball</h1>" : "<h1>collection</h1>") == 1);
+  }
+  fs::remove_all(folder.parent_path());
+}
+
 TEST_CASE("warnings of cases stand above the chart, many of them folded up", "[scenes][report]") {
   const fs::path folder = fs::temp_directory_path() / ("epafi-warned-report-" + std::to_string(::getpid()));
   for (const int warnings : {0, 1, 3, 4, 60}) {

@@ -57,6 +57,11 @@ TEST_CASE("solve prints a row per problem and method, and writes impulses that o
   CHECK(rows[0] == std::vector<std::string>{"problem", "method", "status", "iterations", "ms", "residual",
                                             "penetration_rate", "sweep_equivalents", "reason"});
   Hdf5File solution(o.solution, Hdf5File::Mode::read);
+  for (const std::size_t k : {1, 3}) {  // <problem>/reaction is that of the least residual
+    const std::size_t best = std::stod(rows[k][5]) <= std::stod(rows[k + 1][5]) ? k : k + 1;
+    CHECK(solution.read<double>(rows[k][0] + "/reaction") ==
+          solution.read<double>(rows[k][0] + "/" + rows[best][1] + "/reaction"));
+  }
   for (std::size_t k = 1; k < rows.size(); ++k) {
     REQUIRE(rows[k].size() == 8);  // no reason beside "solved"
     INFO(rows[k][0] << " " << rows[k][1]);
@@ -137,4 +142,12 @@ TEST_CASE("solve refuses what it does not know, with the nearest", "[scenes][sol
   const Captured gone = captured([] { return guarded([] { return command_solve(solving({"none.hdf5"}, {})); }); });
   CHECK(gone.code == exit_file);
   CHECK_THAT(gone.err, Catch::Contains("none.hdf5"));
+}
+
+TEST_CASE("a solution file that two problems of one name would share is refused", "[scenes][solve]") {
+  const TemporaryFolder folder;
+  SolveOptions o = solving({"stack_h010_mu05.hdf5", "stack_h010_mu05.hdf5"}, {"newton"});
+  o.solution = (folder / "reactions.h5").string();
+  CHECK_THROWS_WITH(captured([&] { return command_solve(o); }),
+                    Catch::Contains("two problems are named 'stack_h010_mu05'"));
 }

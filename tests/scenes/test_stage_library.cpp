@@ -4,6 +4,10 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <numbers>
+#include <random>
+
+#include <fmt/format.h>
 
 #include "scenes/session.h"
 #include "tests/support/catch.h"
@@ -240,4 +244,80 @@ TEST_CASE("a servo plate clamps a pile with its force, which wall and floor give
     CHECK(at_end("plate", "y") + at_end("wall", "y") + at_end("floor", "y") == Approx(0.0).margin(1e-3));
     CHECK(at_end("plate", "z") + at_end("wall", "z") + at_end("floor", "z") == Approx(-weight).epsilon(1e-5));
   }
+}
+
+TEST_CASE("bodies_removed counts what stages, times and the domain take out, free or fixed", "[scenes][stages]") {
+  std::mt19937 random(8);
+  std::uniform_int_distribution<int> some(0, 3);
+  for (int trial = 0; trial < 8; ++trial) {
+    const int free = some(random), fixed = some(random), timed = some(random), leaving = 1 + some(random);
+    const auto bodies = [](const char* name, int count, double height, const std::string& more) {
+      return count == 0 ? std::string()
+                        : fmt::format(
+                              "[[body]]\nname = \"{}\"\nrepeat = {}\nshape = {{ sphere = {{ radius = 0.01 }} }}\n"
+                              "material = \"m\"\nposition = [\"= 0.1*i\", 0, {}]\n{}",
+                              name, count, height, more);
+    };
+    std::string taken;
+    if (free > 0) taken += "body.free = { remove = true }\n";
+    if (fixed > 0) taken += "body.fixed = { remove = true }\n";
+    const std::string text =
+        "[run]\noutput_interval = 0.01\n[world]\ndomain = { min = [-1, -1, -1], max = [1, 1, 1], "
+        "outside = \"delete\" }\n[contact]\nmethod = \"smooth\"\nrestitution = 1\nfriction = 0\n[material.m]\n"
+        "density = 1000\nyoungs_modulus = 1e6\npoissons_ratio = 0.3\n" +
+        bodies("free", free, 0.1, "") + bodies("fixed", fixed, 0.2, "fixed = true\n") +
+        bodies("timed", timed, 0.3, "fixed = true\nremove_at = 0.005\n") +
+        bodies("leaving", leaving, 0.9, "velocity = [0, 0, 20]\n") + bodies("staying", 2, -0.5, "") +
+        "[[stage]]\nname = \"a\"\nduration = 0.02\n[[stage]]\nname = \"b\"\nduration = 0.2\n" + taken;
+    INFO(text);
+    const TemporaryFolder folder;
+    ReadResult read = read_scene_text(text, "scene.toml", {}, full_registry());
+    REQUIRE(read.scene);
+    Session session(assemble(std::move(*read.scene)), {}, folder / "out");
+    REQUIRE(session.run({}, true) == Ending::completed);
+    const RunSummary summary = session.summary();
+    CHECK(summary.bodies_removed == static_cast<std::uint64_t>(free + fixed + timed + leaving));
+    CHECK(summary.bodies_lost == 0);
+  }
+}
+
+TEST_CASE("a servo with a force alone presses along gravity with its body's own mass", "[scenes][stages]") {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> force(5.0, 50.0), size(0.05, 0.1);
+  for (int trial = 0; trial < 6; ++trial) {
+    const double F = force(random), s = size(random), r = 0.02, g = 9.81;
+    const auto scene = [&](const std::string& servo) {
+      return fmt::format(
+          "[run]\nduration = 0.6\noutput_interval = 0.1\n[world]\ngravity = [0, 0, -9.81]\n[contact]\n"
+          "method = \"{}\"\nrestitution = 0.2\nfriction = 0.3\n[material.m]\ndensity = 2000\n"
+          "youngs_modulus = 1e7\npoissons_ratio = 0.3\n[[body]]\nname = \"floor\"\nfixed = true\nmaterial = \"m\"\n"
+          "shape = {{ half_space = {{ normal = [0, 0, 1] }} }}\n[[body]]\nname = \"ball\"\nmaterial = \"m\"\n"
+          "shape = {{ sphere = {{ radius = {} }} }}\nposition = [0, 0, {}]\n[[body]]\nname = \"plate\"\n"
+          "material = \"m\"\nshape = {{ box = {{ size = [{}, {}, 0.02] }} }}\nposition = [0, 0, {}]\n"
+          "motion = {{ servo = {{ force = {}{} }} }}\n[[measure]]\nname = \"floor\"\nkind = \"force\"\n"
+          "body = \"floor\"\n[[measure]]\nname = \"plate\"\nkind = \"position\"\nbody = \"plate\"\n",
+          trial % 2 ? "nonsmooth" : "smooth", r, r, s, s, 2 * r + 0.0101, F, servo);
+    };
+    const double mass = 2000 * s * s * 0.02;
+    auto bare = start_text(scene("")),
+         written = start_text(scene(fmt::format(", direction = [0, 0, -1], mass = {:.17g}, max_speed = "
+                                                "{:.17g}",
+                                                mass, std::sqrt(F * 2 * r / mass))));
+    bare.advance_to(0);
+    written.advance_to(0);
+    INFO(F << " N, " << s << " m");
+    CHECK(bare.failure.empty());
+    CHECK(bare.last("plate", "z") == Approx(written.last("plate", "z")).epsilon(1e-9));  // masses differ by rounding
+    CHECK(bare.last("floor", "z") == Approx(written.last("floor", "z")).epsilon(1e-6));
+    const double weight = 4.0 / 3.0 * std::numbers::pi * r * r * r * 2000 * g;
+    CHECK(-bare.last("floor", "z") == Approx(F + weight).epsilon(0.01));  // it has come to rest
+  }
+  const std::string still =
+      "[run]\nduration = 1\n[contact]\nmethod = \"smooth\"\nrestitution = 0\nfriction = 0\n"
+      "[material.m]\ndensity = 1\nyoungs_modulus = 1e6\npoissons_ratio = 0.3\n[[body]]\n"
+      "name = \"plate\"\nmaterial = \"m\"\nmotion = { servo = { force = 1 } }\n";
+  CHECK_THROWS_WITH(start_text(still + "shape = { sphere = { radius = 1 } }\n"), Catch::Contains("write direction"));
+  CHECK_THROWS_WITH(start_text(still + "shape = { half_space = { normal = [0, 0, 1] } }\n[world]\n"
+                                       "gravity = [0, 0, -1]\n"),
+                    Catch::Contains("write mass"));
 }

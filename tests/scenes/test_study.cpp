@@ -47,7 +47,8 @@ TEST_CASE("vary makes every combination of its lists, named after the method", "
   const Study study = read_study(write(folder, R"(
 scene = "scene.toml"
 error = "drift"
-vary = [ { "contact.nonsmooth.solver" = ["pgs", "nsgs"], "contact.nonsmooth.iterations" = [10, 50, 200] }, { name = "soft", contact.method = "smooth" } ]
+vary = [ { "contact.nonsmooth.solver" = ["pgs", "nsgs"], "contact.nonsmooth.iterations" = [10, 50, 200] },
+         { name = "soft", contact.method = "smooth" } ]
 )"),
                                  {});
   REQUIRE(study.methods.size() == 7);
@@ -94,7 +95,8 @@ TEST_CASE("a chart repeats its errors bit for bit, marks its front and recommend
 error = { measure = "rebound", component = "x", exact = 10.0, relative = true }
 repeats = 2
 set = { "bounds.energy_error" = 1.0, "accuracy.energy_error" = 1e-4, "run.time_step" = 1e-6 }
-vary = [ { "run.time_step" = [4e-6, 4e-7, 4e-8] }, { name = "wrong", "run.time_step" = 4e-7, "bounds.energy_error" = 1e-9 } ]
+vary = [ { "run.time_step" = [4e-6, 4e-7, 4e-8] },
+         { name = "wrong", "run.time_step" = 4e-7, "bounds.energy_error" = 1e-9 } ]
 )"),
                            {});
   study.program = program;
@@ -177,7 +179,8 @@ repeats = 1
 set = { "params.n" = 3, "params.jitter" = 0.002, "run.duration" = 0.2 }
 reference = { "contact.nonsmooth.solver" = "newton", "contact.nonsmooth.tolerance" = 1e-12 }
 again = { "run.seed" = 7 }
-vary = [ { "contact.nonsmooth.solver" = "pgs", "contact.nonsmooth.iterations" = [5, 100] }, { "contact.nonsmooth.solver" = "newton" } ]
+vary = [ { "contact.nonsmooth.solver" = "pgs", "contact.nonsmooth.iterations" = [5, 100] },
+         { "contact.nonsmooth.solver" = "newton" } ]
 )"),
                            {});
   CHECK(order_of_turns(study) == std::vector<std::size_t>{0, 2, 1});
@@ -278,7 +281,8 @@ TEST_CASE("a chart of convex pairs has the errors that their exact answers show"
   Study study = read_study(write(folder, "scene = \"" + corpus + R"("
 error = "depth"
 repeats = 1
-vary = [ { name = "all", "narrow.method" = ["auto", "gjk-epa"] }, { name = "deep", "narrow.method" = "auto", "narrow.category" = "deep_overlap" } ]
+vary = [ { name = "all", "narrow.method" = ["auto", "gjk-epa"] },
+         { name = "deep", "narrow.method" = "auto", "narrow.category" = "deep_overlap" } ]
 )"),
                            {});
   const Chart chart = chart_of(study, folder.path(), silent);

@@ -1,5 +1,10 @@
 #include "viz_export/hdf5/hdf5_file.h"
 
+#include <unistd.h>
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
 #include <fstream>
 #include <numeric>
 
@@ -144,3 +149,33 @@ TEST_CASE("a cut file and one that is not HDF5 are refused by name and cause", "
   write_whole_file(path, {"this is text"});
   CHECK_THROWS_WITH(Hdf5File(path, Hdf5File::Mode::read), Contains("a.h5: is no HDF5 file"));
 }
+
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+namespace {
+/// What this process holds beside its code [B].
+double held_bytes() {
+  malloc_trim(0);  // what earlier cases have freed
+  std::ifstream statm("/proc/self/statm");
+  double all = 0.0, pages = 0.0, of_files = 0.0;
+  statm >> all >> pages >> of_files;
+  return (pages - of_files) * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+}  // namespace
+
+TEST_CASE("an open file of many small datasets stays small in memory", "[viz_export][hdf5][memory]") {
+  // 24 kB for each group of three without a limit; with it 256 kB of what lies in the file, 30 times as much in memory
+  const TemporaryFolder folder;
+  const double before = held_bytes();
+  Hdf5File file(folder / "many.h5", Hdf5File::Mode::create);
+  for (int k = 0; k < 2500; ++k) {
+    const std::string group = "shapes/" + std::to_string(k);
+    file.write<double>(group + "/points", counting(24), {.columns = 3});
+    file.write<std::int32_t>(group + "/connectivity", std::vector<std::int32_t>(24, k));
+    file.write<std::int32_t>(group + "/offsets", std::vector<std::int32_t>(6, k));
+  }
+  CHECK(held_bytes() - before < 20e6);                                                      // 60e6 otherwise
+  CHECK(file.read<std::int32_t>("shapes/17/offsets") == std::vector<std::int32_t>(6, 17));  // written out, read again
+  CHECK(file.read<double>("shapes/2400/points") == counting(24));
+  file.close();
+}
+#endif

@@ -330,7 +330,10 @@ TEST_CASE("a page far from the origin has the picture of the same bodies near it
       const pixels = new Uint8Array(4 * w * h);
       gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
       const sums = new Array(64).fill(0);
-      for (let k = 0; k < w * h; ++k) sums[8 * Math.floor(8 * Math.floor(k / w) / h) + Math.floor(8 * (k % w) / w)] += pixels[4 * k] / (w * h / 64);
+      for (let k = 0; k < w * h; ++k) {
+        const row = Math.floor(8 * Math.floor(k / w) / h), column = Math.floor(8 * (k % w) / w);
+        sums[8 * row + column] += pixels[4 * k] / (w * h / 64);
+      }
       return sums.join(" ");
     })())"));
     std::vector<double> out;
@@ -403,4 +406,29 @@ TEST_CASE("the legend names what repeats, rests and is seen by no camera, on a p
   b.press("2");
   CHECK(text_of("notes").empty());
   CHECK(b.complaints() == std::vector<std::string>{});
+}
+
+TEST_CASE("a value that is no number is shown as such, and drawn as nothing moving", "[viz_export][view][long]") {
+  if (!has_page()) return;
+  const TemporaryFolder folder;
+  support::Browser b(900, 600);
+  std::mt19937 random(4);
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    const std::uint32_t n = 3 + random() % 4, broken = random() % n;
+    ViewFrame frame;
+    for (std::uint32_t k = 0; k < n; ++k) {
+      frame.bodies.push_back(ball_of(k, Vec3(0, 0.5 * k, 0)));
+      frame.bodies.back().velocity = Vec3(k == broken ? bad : 1.0 + k, 0, 0);
+    }
+    open_page(b, folder, *still_source("broken", {}, std::move(frame)));
+    for (std::uint32_t k = 0; k < n; ++k) {
+      b.text("epafi.picked = { id: " + std::to_string(k) + " }, epafi.showPick(), ''");
+      const std::string shown = b.text("document.querySelector('#picked').innerText.match(/\\nspeed\\s+(.*)/)[1]");
+      INFO(k << ": " << shown);
+      if (k == broken)
+        CHECK(shown == "not a number");
+      else
+        CHECK(std::stod(shown) == Approx(1.0 + k).epsilon(1e-3));
+    }
+  }
 }

@@ -88,10 +88,11 @@ Handle text_type(std::size_t size) {
   return type;
 }
 
-constexpr std::size_t deflate_ratio = 1032;              // the most that deflate can expand (zlib technical details)
-constexpr std::size_t spare = std::size_t{8} << 20;      // what HDF5 takes to open a file, with room
-constexpr std::size_t piece_rows = 16384;                // of three doubles 400 kB
-constexpr std::size_t most_text = std::size_t{1} << 28;  // 256 MiB: no scene text is longer
+constexpr std::size_t deflate_ratio = 1032;          // the most that deflate can expand (zlib technical details)
+constexpr std::size_t spare = std::size_t{8} << 20;  // what HDF5 takes to open a file, with room
+constexpr std::size_t most_metadata = std::size_t{1} << 18;  // of names and places of datasets; in memory 30 times it
+constexpr std::size_t piece_rows = 16384;                    // of three doubles 400 kB
+constexpr std::size_t most_text = std::size_t{1} << 28;      // 256 MiB: no scene text is longer
 
 }  // namespace
 
@@ -182,6 +183,21 @@ struct Hdf5File::Impl {
   }
 };
 
+namespace {
+/// Names, sizes and places of datasets that HDF5 keeps. It counts what they take in the file, up to 32 MB, and needs
+/// 30 times as much in memory: 24 kB for each shape of run.h5.
+void limit_metadata(hid_t access) {
+  H5AC_cache_config_t config{};
+  config.version = H5AC__CURR_CACHE_CONFIG_VERSION;
+  if (H5Pget_mdc_config(access, &config) < 0) return;
+  config.set_initial_size = true;
+  config.initial_size = most_metadata / 2;
+  config.min_size = most_metadata / 4;
+  config.max_size = most_metadata;
+  H5Pset_mdc_config(access, &config);
+}
+}  // namespace
+
 Hdf5File::Hdf5File(const std::filesystem::path& path, Mode mode) : impl_(std::make_unique<Impl>()) {
   // Every file is closed here. One that could not be (full disk) crashed the library when it closed it again at exit.
   static const bool leaves_exit_alone = H5dont_atexit() >= 0;
@@ -196,6 +212,7 @@ Hdf5File::Hdf5File(const std::filesystem::path& path, Mode mode) : impl_(std::ma
   if (mode != Mode::create) refuse_broken_heaps(path);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
+  limit_metadata(access);
   if (mode == Mode::read && !set_checked_reading(access)) impl_->fail("open");
   if (mode == Mode::create) {
     impl_->id = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, timeless(H5P_FILE_CREATE), access);

@@ -190,6 +190,19 @@ std::string steps_of_counts(const LinePlot& plot) {
     }
   return whole && y.high - y.low <= 6 ? "set ytics 1\n" : "";
 }
+
+constexpr double line_plot_width = 620;  // pixels
+constexpr double letter_width = 9;       // a wide letter of 14 pixels, whatever font the browser has
+constexpr double sample_width = 60;      // of a line beside its name, with the gaps around
+
+/// A name that the picture holds beside its line; of a longer one, which would be cut, its end: it tells names apart.
+std::string fitting(const std::string& name) {
+  constexpr auto most = static_cast<std::size_t>((line_plot_width - sample_width) / letter_width);
+  if (name.size() <= most) return name;
+  std::size_t from = name.size() - most;
+  while (from < name.size() && (static_cast<unsigned char>(name[from]) & 0xC0) == 0x80) ++from;  // inside a letter
+  return "..." + name.substr(from);
+}
 }  // namespace
 
 bool draw(const LinePlot& plot, const fs::path& path) {
@@ -198,11 +211,11 @@ bool draw(const LinePlot& plot, const fs::path& path) {
   for (std::size_t k = 0; k < plot.lines.size(); ++k) {
     data += block(plot.lines[k].points);
     parts += fmt::format("{}'{}' index {} with lines lw 2 lc rgb '{}' title {}", k == 0 ? "plot " : ", \\\n  ", name, k,
-                         colours[k % std::size(colours)], quoted(plot.lines[k].label));
+                         colours[k % std::size(colours)], quoted(fitting(plot.lines[k].label)));
   }
   return render(path, data,
                 frame(plot.title, plot.x_label, plot.y_label) + "set autoscale xfix\n" + steps_of_counts(plot),
-                parts.empty() ? "plot NaN notitle" : parts, "620,420");
+                parts.empty() ? "plot NaN notitle" : parts, fmt::format("{:.0f},420", line_plot_width).c_str());
 }
 
 bool draw(const KindMap& map, const fs::path& path) {

@@ -114,6 +114,16 @@ std::string unfinished(const fs::path& folder, const std::vector<ReportCase>& ca
   return text.empty() ? text : "<p class='warning'>" + html_escaped(text) + "</p>";
 }
 
+/// Of runs of one scene; "" where they are of several. Those that cannot be read have none.
+std::string common_title(const std::vector<ReportCase>& cases) {
+  std::string title;
+  for (const ReportCase& one : cases) {
+    if (!title.empty() && !one.title.empty() && one.title != title) return {};
+    if (title.empty()) title = one.title;
+  }
+  return title;
+}
+
 /// "heap: 12 cases, 3 of them without an end yet"
 std::string count_text(const std::string& title, const std::vector<ReportCase>& cases) {
   const auto open = std::count_if(cases.begin(), cases.end(), [](const ReportCase& one) { return !has_ended(one); });
@@ -156,7 +166,7 @@ fs::path write_folder_report(const fs::path& folder, const fs::path& wanted) {
   std::vector<ReportCase> cases;
   for (const fs::path& one : folders) cases.push_back(read_case(one));
   std::string scene = title_of(folder);
-  if (scene.empty() && !cases.empty()) scene = html_escaped(cases.front().title);
+  if (scene.empty()) scene = html_escaped(common_title(cases));
   std::string html = "<h1>" + (scene.empty() ? html_escaped(title) : scene) + "</h1>";
   if (!cases.empty()) html += "<p class='sub'>" + html_escaped(count_text(title, cases)) + "</p>";
   const fs::path results = folder / "patch.csv";  // of `epafi patch --maps`: what the maps belong to

@@ -29,7 +29,8 @@ figcaption{color:var(--soft);font-size:.85rem;padding:.3rem .2rem 0}
 no-repeat,linear-gradient(to left,#fff 2rem,#fff0) 100% 0/4rem 100% local no-repeat,
 linear-gradient(to right,#1d243055,#1d243000) 0 0/1.2rem 100% scroll no-repeat,
 linear-gradient(to left,#1d243055,#1d243000) 100% 0/1.2rem 100% scroll no-repeat,#fff}
-.data td,.data th{white-space:nowrap;padding-right:1.1rem}.data th{white-space:normal;vertical-align:bottom;min-width:4.6rem}
+.data td,.data th{white-space:nowrap;padding-right:1.1rem}
+.data th{white-space:normal;vertical-align:bottom;min-width:4.6rem}
 details.warnings summary{cursor:pointer;color:var(--soft)}
 .data .long{white-space:normal;min-width:16rem;max-width:30rem;max-height:7.5rem;overflow-y:auto}
 iframe{width:100%;height:640px;border:1px solid var(--line);border-radius:6px}th.n,td.n{text-align:right}

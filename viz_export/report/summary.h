@@ -50,7 +50,7 @@ struct RunSummary {
   std::string failure;                ///< why, where the status is not completed; else empty and absent
   std::vector<std::string> warnings;  ///< what went wrong without ending the run; empty where nothing did
   std::uint64_t bodies = 0, bodies_lost = 0;
-  std::uint64_t bodies_removed = 0;  ///< by remove_at, outlets and the domain
+  std::uint64_t bodies_removed = 0;  ///< by remove_at, stages, outlets and the domain
   std::uint64_t steps = 0;
   double time_step = 0;                    ///< [s]
   double simulated_time = 0;               ///< [s]

@@ -231,6 +231,12 @@ std::array<double, 2> range_of(const ViewField& field, SeenValues& seen, double 
   return {low, high};
 }
 
+/// Of every so many bodies, those that are numbers; of walls where they count too.
+void add_values(const ViewFrame& frame, const std::vector<float>& all, bool walls, FieldValues& to) {
+  for (std::size_t b = 0; b < all.size(); b += stride_of(frame))
+    if (std::isfinite(all[b]) && (walls || !frame.bodies[b].is_wall())) to.add(all[b], frame.bodies[b]);
+}
+
 }  // namespace
 
 Overview look_over(const ViewSource& source) {
@@ -246,14 +252,9 @@ Overview look_over(const ViewSource& source) {
     free.add(frame);
     grounds.add(frame);
     const FrameFields fields_of(frame, source.about());
-    for (const ViewField& field : fields) {
-      if (field.kind == ViewField::Kind::category) continue;
-      const std::vector<float> all = fields_of(field.name);
-      for (std::size_t b = 0; b < all.size(); b += stride_of(frame)) {
-        const bool counts = std::isfinite(all[b]) && (!frame.bodies[b].is_wall() || field.name == "id");
-        if (counts) values[field.name].add(all[b], frame.bodies[b]);
-      }
-    }
+    for (const ViewField& field : fields)
+      if (field.kind != ViewField::Kind::category)
+        add_values(frame, fields_of(field.name), field.name == "id", values[field.name]);
     for (const StoredContact& c : frame.contacts) {
       if (std::isfinite(c.normal_force)) forces.push_back(std::abs(c.normal_force));
       out.worst_residual = std::max(out.worst_residual, static_cast<double>(c.residual));

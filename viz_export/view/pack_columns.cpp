@@ -9,7 +9,8 @@
 namespace epafi {
 namespace {
 
-constexpr int largest_16 = 65535;  // of fields
+constexpr int largest_16 = 65535;          // of fields
+constexpr int no_number = 2 * largest_16;  // a field of this body is no finite number
 constexpr double heading_steps = 127;
 
 using Ints = std::vector<std::int32_t>;
@@ -137,7 +138,7 @@ class FieldColumn final : public ChunkColumn {
     for (const auto& values : frames_) {
       Ints steps;
       steps.reserve(values.size());
-      for (const float v : values) steps.push_back(std::isfinite(v) ? steps_of(v / scale) : 0);
+      for (const float v : values) steps.push_back(std::isfinite(v) ? steps_of(v / scale) : no_number);
       column.add(std::move(steps));
     }
     return std::move(column.raw());

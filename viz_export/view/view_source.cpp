@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <mutex>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -197,7 +198,13 @@ class RunSource final : public ViewSource {
   }
   std::vector<std::string> warnings() const override {
     const std::lock_guard lock(warnings_lock_);
-    return warnings_;
+    std::vector<std::string> out = warnings_;
+    if (damaged_.size() == 1) out.push_back(*damaged_.begin() + ": this frame is shown without contacts");
+    if (damaged_.size() > 1)
+      out.push_back(
+          fmt::format("{} files of contacts are damaged, their frames are shown without contacts; the first: {}",
+                      damaged_.size(), *damaged_.begin()));
+    return out;
   }
   double last_time() const override {
     double out = ViewSource::last_time();
@@ -240,12 +247,13 @@ class RunSource final : public ViewSource {
     return false;
   }
 
-  /// None, with a warning, where the file is damaged: run.h5 has the bodies all the same.
+  /// None, with a warning for all such files together, where the file is damaged: run.h5 has the bodies all the same.
   ContactFile contacts_of(const fs::path& file) const {
     try {
       return read_contacts(file);
     } catch (const FileError& e) {
-      warn(fmt::format("{}: this frame is shown without contacts", e.what()));
+      const std::lock_guard lock(warnings_lock_);
+      damaged_.insert(e.what());
     }
     return {};
   }
@@ -256,6 +264,7 @@ class RunSource final : public ViewSource {
 
   mutable std::mutex warnings_lock_;
   mutable std::vector<std::string> warnings_;
+  mutable std::set<std::string> damaged_;  ///< files of contacts, and what is wrong with them
   fs::path folder_;
   RunState state_;  ///< read before the files: what they hold is not older
   StoredRun run_;

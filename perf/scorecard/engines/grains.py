@@ -1,4 +1,5 @@
-"""What the drivers of the granular codes share: the scene (spheres, planes along the axes, hollow walls) and the arguments of driver.h."""
+"""What the drivers of the granular codes share: the scene (spheres, planes along the axes, hollow walls) and the
+arguments of driver.h."""
 import math
 import sys
 
@@ -6,8 +7,9 @@ FACETS = 96  # of a tube's circumference, whose corners lie on it: radii 0.05 % 
 
 
 class Grains:
-    """The scene file, for codes of spheres: bodies have radius, mass, position, velocity, spin, kind (of material, from 0).
-    materials: (Young's modulus, Poisson's ratio) by kind, walls last; pairs: (restitution, friction) by two kinds, the smaller first."""
+    """The scene file, for codes of spheres: bodies have radius, mass, position, velocity, spin, kind (of material, from
+    0). materials: (Young's modulus, Poisson's ratio) by kind, walls last; pairs: (restitution, friction) by two kinds,
+    the smaller first."""
 
     def __init__(self, name):
         self.planes, self.tubes, self.bodies, self.materials, self.pairs = [], [], [], [], {}
@@ -22,7 +24,8 @@ class Grains:
                     axis = max(range(3), key=lambda k: abs(numbers[k]))
                     self.planes.append((axis, numbers[axis], numbers[axis] * numbers[3]))  # axis, outward sign, place
                 elif words[0] == "sphere":
-                    self.bodies.append(dict(radius=numbers[0], mass=numbers[1], position=numbers[5:8], velocity=numbers[12:15],
+                    self.bodies.append(dict(radius=numbers[0], mass=numbers[1], position=numbers[5:8],
+                                            velocity=numbers[12:15],
                                             spin=numbers[15:18], kind=kind))
                 elif words[0] in ("box", "hull"):
                     sys.exit("spheres only")
@@ -43,16 +46,19 @@ class Grains:
             self.pairs[between] = (float(words[3]), float(words[4]))
         else:
             low, high, start, end, rate = map(float, words[3:])
-            self.tubes.append(dict(kind=self.names.index(words[1]), axis=words[2], low=low, high=high, radii=(start, end), rate=rate))
+            self.tubes.append(dict(kind=self.names.index(words[1]), axis=words[2], low=low, high=high,
+                                   radii=(start, end), rate=rate))
         return kind
 
     def one_material(self):
         """Grains and floor of one material, upright planes with a friction of their own as another."""
         self.materials = [tuple(self.modulus)] * 2
-        self.pairs = {(0, 0): (self.restitution, self.friction), (0, 1): (self.restitution, getattr(self, "wall_friction", self.friction))}
+        self.pairs = {(0, 0): (self.restitution, self.friction),
+                      (0, 1): (self.restitution, getattr(self, "wall_friction", self.friction))}
 
     def kind_of_plane(self, axis):
-        """Its material: the last one, where there is but one that of the grains for the floor and another for upright planes."""
+        """Its material: the last one, where there is but one that of the grains for the floor and another for upright
+        planes."""
         if self.names:
             return len(self.materials) - 1
         return 1 if axis < 2 else 0
@@ -62,8 +68,8 @@ class Grains:
         return sorted({b["kind"] for b in self.bodies})
 
     def pair(self, a, b):
-        """Young's modulus that two bodies of one material would have to have for the stiffness of this pair, Poisson's ratio, restitution
-        and friction; None where the pair does not touch."""
+        """Young's modulus that two bodies of one material would have to have for the stiffness of this pair, Poisson's
+        ratio, restitution and friction; None where the pair does not touch."""
         both = self.pairs.get((min(a, b), max(a, b)))
         (p, v), (q, _) = self.materials[a], self.materials[b]
         return both and (2 * p * q / (p + q), v, *both)
@@ -75,7 +81,8 @@ class Grains:
         """Of a tube, facets of equal angle."""
         def corner(k, end):
             a, r, x = 2 * math.pi * k / FACETS, tube["radii"][end], (tube["low"], tube["high"])[end]
-            return (r * math.cos(a), r * math.sin(a), x) if tube["axis"] == "z" else (r * math.cos(a), x, r * math.sin(a))
+            return (r * math.cos(a), r * math.sin(a),
+                    x) if tube["axis"] == "z" else (r * math.cos(a), x, r * math.sin(a))
 
         for k in range(FACETS):
             yield corner(k, 0), corner(k + 1, 0), corner(k + 1, 1)

@@ -1,6 +1,7 @@
 """LAMMPS: Hertz, Mindlin with history, damping of Tsuji from the restitution (the laws of Epafi's default), or
 law=history: gran/hertz/history with constants of the same stiffness, its quickest, whose damping is no restitution.
-Time: LAMMPS' own loop time times its share of the processor; the first run writes the poses, a short one is clocked again without."""
+Time: LAMMPS' own loop time times its share of the processor; the first run writes the poses, a short one is clocked
+again without."""
 import json
 import os
 import re
@@ -19,14 +20,16 @@ LONG = 5.0  # s: a run that takes so long counts itself, since a few poses are n
 
 
 def law(pair, style, wall=False):
-    """Coefficients of a pair of materials, (modulus, Poisson's ratio, restitution, friction), for grains or for a wall."""
+    """Coefficients of a pair of materials, (modulus, Poisson's ratio, restitution, friction), for grains or for a
+    wall."""
     modulus, poisson, restitution, friction = pair
     if style == "history":
         normal = 4 / 3 * modulus / (2 * (1 - poisson**2))
         shear = 8 * modulus / (2 * (1 + poisson)) / (2 * (2 - poisson))
         return "%.9g %.9g 3e5 3e5 %.9g 1" % (normal, shear, friction)
     stiff = modulus / (1 + poisson) if wall else modulus  # with a wall it takes E / 2 (1 - nu) for E*
-    return "hertz/material %.9g %.9g %.9g tangential mindlin NULL 1.0 %.9g damping tsuji" % (stiff, restitution_given(restitution), poisson, friction)
+    return "hertz/material %.9g %.9g %.9g tangential mindlin NULL 1.0 %.9g damping tsuji" % (
+        stiff, restitution_given(restitution), poisson, friction)
 
 
 def grains_and_walls(grains, style):
@@ -40,13 +43,15 @@ def grains_and_walls(grains, style):
         lines.append("pair_style granular")
         pairs = [(a, b) for a in kinds for b in kinds if a <= b]
         # a pair that never touches must have coefficients all the same
-        lines += ["pair_coeff %d %d %s" % (a + 1, b + 1, law(grains.pair(a, b) or grains.pair(a, a), style)) for a, b in pairs]
+        lines += ["pair_coeff %d %d %s" % (a + 1, b + 1, law(grains.pair(a, b) or grains.pair(a, a), style))
+                  for a, b in pairs]
     word = "hertz/history " if style == "history" else "granular "
     for k, (axis, sign, place) in enumerate(grains.planes):
         ends = "%.17g NULL" % place if sign > 0 else "NULL %.17g" % place
         for kind in kinds:
             wall = law(grains.pair(kind, grains.kind_of_plane(axis)), style, True)
-            lines.append("fix wall%d_%d kind%d wall/gran %s%s %splane %s" % (k, kind, kind, word, wall, AXES[axis], ends))
+            lines.append("fix wall%d_%d kind%d wall/gran %s%s %splane %s" %
+                         (k, kind, kind, word, wall, AXES[axis], ends))
     for k, tube in enumerate(grains.tubes):
         lines += region(k, tube)
         for kind in kinds:
@@ -70,11 +75,13 @@ def script(grains, dt, steps, every, style):
     radii = [b["radius"] for b in grains.bodies]
     # cells by the largest pair would hold hundreds of small grains: by types where sizes differ much
     bins = "multi" if max(radii) > 2 * min(radii) else "bin"
-    lines = ["units si", "atom_style sphere", "atom_modify map array sort 1000 0", "boundary s s s", "newton on", "comm_modify vel yes",
+    lines = ["units si", "atom_style sphere", "atom_modify map array sort 1000 0", "boundary s s s", "newton on",
+             "comm_modify vel yes",
              "read_data grains.data", *grains_and_walls(grains, style), "neighbor %.9g %s" % (SKIN * min(radii), bins),
              "neigh_modify delay 0 every 1 check yes", "timestep %.17g" % dt, "fix move all nve/sphere"]
     if gravity > 0:
-        lines.append("fix weight all gravity %.17g vector %s" % (gravity, " ".join("%.17g" % (g / gravity) for g in grains.gravity)))
+        lines.append("fix weight all gravity %.17g vector %s" %
+                     (gravity, " ".join("%.17g" % (g / gravity) for g in grains.gravity)))
     if every:
         lines += ["dump poses all custom %d poses.dump id x y z vx vy vz omegax omegay omegaz" % every,
                   'dump_modify poses sort id format float "%.14g"']
@@ -83,12 +90,15 @@ def script(grains, dt, steps, every, style):
 
 def data(grains, types):
     """Atoms and their velocities, in a box that nothing leaves."""
-    # LIGGGHTS keeps this box, whose cells are as small as a grain: a wide one has billions; LAMMPS shrinks it to the atoms
+    # LIGGGHTS keeps this box, whose cells are as small as a grain: a wide one has billions; LAMMPS shrinks it to the
+    # atoms
     pad = 100 * min(b["radius"] for b in grains.bodies)
-    places = [[b["position"][k] for b in grains.bodies] + [p for axis, _, p in grains.planes if axis == k] for k in range(3)]
+    places = [[b["position"][k] for b in grains.bodies] + [p for axis, _, p in grains.planes if axis == k]
+              for k in range(3)]
     for tube in grains.tubes:
         for k, axis in enumerate(AXES):
-            places[k] += (tube["low"], tube["high"]) if axis == tube["axis"] else (-max(tube["radii"]), max(tube["radii"]))
+            places[k] += (tube["low"], tube["high"]) if axis == tube["axis"] else (-max(tube["radii"]),
+                                                                                   max(tube["radii"]))
     low, high = [min(p) - pad for p in places], [max(p) + pad for p in places]
     text = "grains\n\n%d atoms\n%d atom types\n\n" % (len(grains.bodies), types)
     text += "".join("%.9g %.9g %slo %shi\n" % (low[k], high[k], a, a) for k, a in enumerate(AXES)) + "\nAtoms\n\n"
@@ -104,7 +114,8 @@ def data(grains, types):
 def run(folder, text):
     with open(os.path.join(folder, "in.grains"), "w") as f:
         f.write(text)
-    said = subprocess.run(["lmp", "-log", "none", "-in", "in.grains"], cwd=folder, capture_output=True, text=True).stdout
+    said = subprocess.run(["lmp", "-log", "none", "-in", "in.grains"], cwd=folder, capture_output=True,
+                          text=True).stdout
     loop, share = re.search(r"Loop time of (\S+)", said), re.search(r"([\d.]+)% CPU use", said)
     if not (loop and share):
         raise SystemExit("lammps: " + " ".join(line for line in said.split("\n") if "ERROR" in line)[:90])

@@ -1,5 +1,6 @@
 """LIGGGHTS: Hertz, Mindlin with history, damping from the restitution. Tubes are meshes of facets.
-Time: its loop time is the wall's, so processor seconds of a whole run less those of one without steps; the first one writes the poses, a short one is clocked again without."""
+Time: its loop time is the wall's, so processor seconds of a whole run less those of one without steps; the first one
+writes the poses, a short one is clocked again without."""
 import json
 import os
 import resource
@@ -41,16 +42,20 @@ def walls(grains):
     lines = []
     for k, (axis, sign, place) in enumerate(grains.planes):
         kind = grains.kind_of_plane(axis) + 1
-        lines.append("fix wall%d all wall/gran model hertz tangential history primitive type %d %splane %.17g" % (k, kind, AXES[axis], place))
+        lines.append("fix wall%d all wall/gran model hertz tangential history primitive type %d %splane %.17g" %
+                     (k, kind, AXES[axis], place))
     for k, tube in enumerate(grains.tubes):
         # long triangles of a fine tube are refused as a mistake unless told that they are meant
-        lines.append("fix tube%d all mesh/surface file tube%d.stl type %d curvature_tolerant yes" % (k, k, tube["kind"] + 1))
+        lines.append("fix tube%d all mesh/surface file tube%d.stl type %d curvature_tolerant yes" %
+                     (k, k, tube["kind"] + 1))
         if tube["rate"]:
             axis = "0. 0. 1." if tube["axis"] == "z" else "0. 1. 0."
-            lines.append("fix turn%d all move/mesh mesh tube%d rotate origin 0. 0. 0. axis %s period %.17g" % (k, k, axis, 6.283185307179586 / tube["rate"]))
+            lines.append("fix turn%d all move/mesh mesh tube%d rotate origin 0. 0. 0. axis %s period %.17g" %
+                         (k, k, axis, 6.283185307179586 / tube["rate"]))
     if grains.tubes:
         names = " ".join("tube%d" % k for k in range(len(grains.tubes)))
-        lines.append("fix tubes all wall/gran model hertz tangential history mesh n_meshes %d meshes %s" % (len(grains.tubes), names))
+        lines.append("fix tubes all wall/gran model hertz tangential history mesh n_meshes %d meshes %s" %
+                     (len(grains.tubes), names))
     return lines
 
 
@@ -60,20 +65,25 @@ def script(grains, dt, steps, every):
     # without hard_particles the code refuses moduli above 1 GPa and below 5 MPa each by its own switch
     hard = max(m for m, _ in grains.materials) > 1e9
     soft = min(m for m, _ in grains.materials) < 5e6
-    lines = ["atom_style granular", "atom_modify map array sort 1000 0", "boundary f f f", "newton off", "communicate single vel yes", "units si"]
+    lines = ["atom_style granular", "atom_modify map array sort 1000 0", "boundary f f f", "newton off",
+             "communicate single vel yes", "units si"]
     lines += ["hard_particles yes"] * hard + ["soft_particles yes"] * soft
     # where one sphere is large, each renewal of lists is dear: fewer, longer lists
     skin = 1.5 if max(radii) > 2 * min(radii) else SKIN
-    # "multi" takes no contact between a large sphere and small ones: it falls through them; cells by the largest pair would hold hundreds
+    # "multi" takes no contact between a large sphere and small ones: it falls through them; cells by the largest pair
+    # would hold hundreds
     lines += ["read_data grains.data", "neighbor %.9g bin" % (skin * min(radii)),
-              "neigh_modify delay 0 every 1 check yes binsize %.9g" % (3 * min(radii)), *laws(grains), "pair_style gran model hertz tangential history", "pair_coeff * *"]
+              "neigh_modify delay 0 every 1 check yes binsize %.9g" % (3 * min(radii)), *laws(grains),
+              "pair_style gran model hertz tangential history", "pair_coeff * *"]
     if gravity > 0:
-        lines.append("fix weight all gravity %.17g vector %s" % (gravity, " ".join("%.17g" % (g / gravity) for g in grains.gravity)))
+        lines.append("fix weight all gravity %.17g vector %s" %
+                     (gravity, " ".join("%.17g" % (g / gravity) for g in grains.gravity)))
     lines += ["timestep %.17g" % dt, *walls(grains), "fix move all nve/sphere"]
     if every:
         lines += ["dump poses all custom %d poses.dump id x y z vx vy vz omegax omegay omegaz" % every,
                   'dump_modify poses sort id format "%d' + 9 * " %.14g" + '"']
-    return "\n".join([*lines, "thermo %d" % max(1, steps), "thermo_modify lost ignore norm no", "run %d" % steps]) + "\n"
+    return "\n".join([*lines, "thermo %d" % max(1, steps), "thermo_modify lost ignore norm no",
+                      "run %d" % steps]) + "\n"
 
 
 def run(folder, text):
@@ -84,7 +94,8 @@ def run(folder, text):
     said = subprocess.run(["liggghts", "-log", "none", "-in", "in.grains"], cwd=folder, capture_output=True, text=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     if "Loop time of" not in said.stdout:
-        raise SystemExit("liggghts: " + " ".join(line for line in (said.stdout + said.stderr).split("\n") if "ERROR" in line)[:90])
+        raise SystemExit("liggghts: " + " ".join(line for line in (said.stdout + said.stderr).split("\n")
+                                                 if "ERROR" in line)[:90])
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 

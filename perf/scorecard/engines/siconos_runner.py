@@ -1,6 +1,7 @@
-"""Siconos 4.4 by its Python runner: Moreau-Jean and a solver of the Signorini-Coulomb problem; contacts found by its Bullet.
-Options: tolerance=T (1e-4), iterations=N (1000), solver=nsgs|nsn. Arguments as in driver.h. Its times contain Python and
-HDF5: the runner is clocked as a whole, with one output at the end. A file named siconos.py would hide the package."""
+"""Siconos 4.4 by its Python runner: Moreau-Jean and a solver of the Signorini-Coulomb problem; contacts found by its
+Bullet. Options: tolerance=T (1e-4), iterations=N (1000), solver=nsgs|nsn. Arguments as in driver.h. Its times contain
+Python and HDF5: the runner is clocked as a whole, with one output at the end. A file named siconos.py would hide the
+package."""
 import json
 import os
 import sys
@@ -75,7 +76,8 @@ def run(scene, file, duration, dt, every, options):
     """Processor seconds, and the runner's tables of positions and velocities."""
     build(scene, file)
     newton = options.get("solver") == "nsn"
-    solver = kernel.solver_options_create(numerics.SICONOS_FRICTION_3D_NSN_AC if newton else numerics.SICONOS_FRICTION_3D_NSGS)
+    solver = kernel.solver_options_create(numerics.SICONOS_FRICTION_3D_NSN_AC if newton
+                                          else numerics.SICONOS_FRICTION_3D_NSGS)
     solver.iparam[numerics.SICONOS_IPARAM_MAX_ITER] = int(options.get("iterations", 1000))
     solver.dparam[numerics.SICONOS_DPARAM_TOL] = float(options.get("tolerance", 1e-4))
     bullet = SiconosBulletOptions()
@@ -88,8 +90,10 @@ def run(scene, file, duration, dt, every, options):
 
     with MechanicsHdf5Runner(mode="r+", io_filename=file, set_external_forces=weight) as io:
         begin = time.process_time()
-        io.run(with_timer=False, bullet_options=bullet, gravity_scale=1.0, t0=0, T=duration, h=dt, theta=0.50001, Newton_max_iter=1,
-               set_external_forces=weight, solver_options=solver, verbose=False, verbose_progress=False, numerics_verbose=False,
+        io.run(with_timer=False, bullet_options=bullet, gravity_scale=1.0, t0=0, T=duration, h=dt, theta=0.50001,
+               Newton_max_iter=1,
+               set_external_forces=weight, solver_options=solver, verbose=False, verbose_progress=False,
+               numerics_verbose=False,
                output_frequency=every)
         used = time.process_time() - begin
         return used, numpy.array(io.dynamic_data()), numpy.array(io.velocities_data())

@@ -44,13 +44,18 @@ class Picker extends Follower {
     if (row >= 0) {
       rows.push(["position", [0, 1, 2].map((k) => digitsTo(this.source.origin[k] + this.frame.place[3 * row + k], this.frame.step)).join(", ") + " m"]);
       for (const f of this.manifest.fields)
-        if (f.kind === "moving") rows.push([f.label, digitsTo(this.valueOf(this.frame, row, f.name), this.frame.steps[f.name]) + (f.unit ? " " + f.unit : "")]);
+        if (f.kind === "moving") rows.push([f.label, this.textOf(row, f)]);
     } else {
       rows.push(["state", "not there at this time"]);
     }
     showPicked(this.source.name(id) + (bodies.wall[id] ? " (wall)" : ""), rows);
     this.showHistory();
     return null;
+  }
+
+  textOf(row, field) {
+    if (this.frame.broken[field.name]?.has(row)) return "not a number";
+    return digitsTo(this.valueOf(this.frame, row, field.name), this.frame.steps[field.name]) + (field.unit ? " " + field.unit : "");
   }
 
   // Its number among the contacts of the frame, -1 where the bodies are apart.
@@ -88,7 +93,7 @@ class Picker extends Follower {
       history.x.push(this.manifest.times[k]);
       const contact = picked.id === undefined ? this.contactNow(frame) : -1;
       if (picked.id === undefined) history.y.push(contact < 0 ? null : frame.contacts.force[contact]);
-      else history.y.push(row < 0 ? null : this.valueOf(frame, row, field.name));
+      else history.y.push(row < 0 || frame.broken[field.name]?.has(row) ? null : this.valueOf(frame, row, field.name));
       if (picked.id !== undefined) history.step = Math.max(history.step, field.name === "height" ? frame.step : frame.steps[field.name] || 0);
     }
     if (this.history === history) this.showHistory();

@@ -116,6 +116,8 @@ function contactsOf(reader, scales) {
   return { n, a, b, force, forceStep, residual, from, to: way };
 }
 
+const noNumber = 2 * 65535;  // as pack_columns.cpp writes it
+
 // The frames of a chunk: { n, id, place, turn, fields: {name: values}, heading, contacts }.
 // origin: what places are counted from.
 async function framesOfChunk(bytes, columns, frames, origin) {
@@ -135,13 +137,17 @@ async function framesOfChunk(bytes, columns, frames, origin) {
   const out = [];
   for (let f = 0; f < frames; ++f) {
     const n = readers.id.number();
-    const frame = { n, id: next("id", n, 4), fields: {}, step: scales[3], steps: {} };  // steps: of what numbers are whole multiples of
+    // steps: of what numbers are whole multiples of; broken: rows whose value is no finite number, drawn as 0
+    const frame = { n, id: next("id", n, 4), fields: {}, step: scales[3], steps: {}, broken: {} };
     frame.place = placesOf(next("position", 3 * n, 4), n, scales);
     if (readers.rest) frame.turn = orientationsOf(next("rest", 3 * n, 2), readers.largest.raw(n), n);
     moving.forEach((name, k) => {
       const steps = next(name, n, 3);
       const values = new Float32Array(n);
-      for (let row = 0; row < n; ++row) values[row] = steps[row] * scales[6 + k];
+      for (let row = 0; row < n; ++row) {
+        if (steps[row] !== noNumber) values[row] = steps[row] * scales[6 + k];
+        else (frame.broken[name] ??= new Set()).add(row);
+      }
       frame.fields[name] = values;
       frame.steps[name] = scales[6 + k];
     });

@@ -40,7 +40,8 @@ def stone(seed, corners, semi_axes, dents, depth):
     for k in range(corners):  # a spiral from pole to pole, shaken
         z = 1 - 2 * (k + 0.5) / corners
         angle, s, r = 2.399963 * k + rng.uniform(-0.3, 0.3), math.sqrt(1 - z * z), rng.uniform(0.82, 1.0)
-        points.append([r * semi_axes[0] * s * math.cos(angle), r * semi_axes[1] * s * math.sin(angle), r * semi_axes[2] * z])
+        points.append([r * semi_axes[0] * s * math.cos(angle), r * semi_axes[1] * s * math.sin(angle),
+                       r * semi_axes[2] * z])
     triangles = hull(points)
     used = sorted({v for t in triangles for v in t})
     name = {v: i for i, v in enumerate(used)}
