@@ -46,3 +46,6 @@ add_test(NAME "ranks: faults" COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/ranks/faults.s
   ${PROJECT_BINARY_DIR}/ranks/faults ${PROJECT_SOURCE_DIR}/scenes/library/bed/bed.toml
   ${PROJECT_SOURCE_DIR}/tests/ranks/impulses.toml)
 set_tests_properties("ranks: faults" PROPERTIES LABELS "fast;ranks" TIMEOUT 300 PROCESSORS 2)
+add_test(NAME "ranks: slurm job" COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/ranks/slurm_job.sh $<TARGET_FILE:epafi> $<TARGET_FILE:epafi-mpi>
+  ${PROJECT_BINARY_DIR}/ranks/slurm_job ${PROJECT_SOURCE_DIR}/docs/ranks.sbatch ${PROJECT_SOURCE_DIR}/scenes/library/bed/bed.toml)
+set_tests_properties("ranks: slurm job" PROPERTIES LABELS "fast;ranks" TIMEOUT 120 PROCESSORS 2)
