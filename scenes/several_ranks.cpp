@@ -6,6 +6,7 @@
 
 #include "detection/narrow/on_surface.h"
 #include "laws/nonsmooth/shared_sweeps.h"
+#include "scenes/stability_watch.h"
 
 namespace epafi {
 
@@ -38,10 +39,6 @@ void refuse_bodies(const Scene& scene, Refusals& refusals) {
         fmt::format("give it a motion of its own, or {}", run_alone));
   first([](const BodySpec& b) { return b.on_rails; }, "a wheelset", run_alone);
 }
-
-}  // namespace
-
-namespace {
 
 /// What whole steps cannot do where each process has its bodies alone. Of impulses process 0 makes the steps.
 void refuse_in_steps(const Scene& scene, Refusals& refusals) {
@@ -94,6 +91,7 @@ PartSetup part_setup(const Assembly& a) {
           radius,
           is_clump,
           smooth && has_flat_bodies(a) ? 3 : 1,
+          smooth ? stiffness_of_parts(a) : decltype(PartSetup::stiffness){},
           help_with_sweeps};
 }
 

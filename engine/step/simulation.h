@@ -78,6 +78,10 @@ class Simulation {
   bool is_ahead() const { return pipeline.contact_model->is_ahead(); }
   /// With several processes: fetches the present state. To be called before bodies are read.
   void come_home();
+  /// Sums over the bodies of the present state, wherever it is.
+  BodyTotals totals();
+  /// Energies of the present state go into the ledger.
+  void measure() { ledger.measure(totals()); }
   /// Shows one observer the present state, due or not.
   void show(Observer& observer);
   /// All state that a restart needs for the same bits.
@@ -98,7 +102,8 @@ class Simulation {
   std::optional<Failure> look_at_strays();
   void drop_contacts();
   std::optional<Failure> watch();
-  void observe(bool last);
+  bool step_is_watched();
+  void observe(bool last, bool watched);
   std::optional<Failure> look_at_step();
   void show_contacts(ContactView needed, bool last, const std::function<void(const StepView&)>& show);
   void reorder(const Reordering& change);
@@ -106,9 +111,11 @@ class Simulation {
   std::uint64_t steps_ = 0;
   std::uint64_t before_ = 0;  ///< steps of a run that this one began from
   std::uint64_t removed_ = 0;
-  std::size_t movable_ = 0;       ///< free bodies
-  std::uint64_t parts_made_ = 0;  ///< of all time steps
-  std::vector<BodyId> leaving_;   ///< to be taken out before the next step; observers see them until then
+  std::size_t movable_ = 0;                ///< free bodies
+  std::uint64_t parts_made_ = 0;           ///< of all time steps
+  BodyTotals totals_;                      ///< as last measured, for observers
+  std::optional<OverlapTotals> overlaps_;  ///< of contacts that are with other processes
+  std::vector<BodyId> leaving_;            ///< to be taken out before the next step; observers see them until then
   /// Where steps are remote.
   struct Away {
     bool home = true;      ///< the present state is here
