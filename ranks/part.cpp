@@ -228,27 +228,38 @@ bool Part::stays(double dt) {
   return motion_.all(dt) < territory_.margin();
 }
 
+/// Those that every rank does by itself; what they have booked as work, at rank 0 [J].
+double Part::act_events(double dt) {
+  World& world = sim_.world;
+  std::vector<BodyId> none;
+  const bool prepared = std::exchange(prepared_, false);
+  const double power = sim_.held_power(), work = sim_.ledger.last().work;
+  for (auto& event : sim_.events) {
+    if (event->is_common() && asked_) event->answer(world);
+    if (event->is_local() && !event->is_common() && !prepared) event->before_step(world, dt, none);
+  }
+  if (prepared || rank_number() != 0) return 0.0;
+  return sim_.ledger.last().work - work + 0.5 * dt * (sim_.held_power() - power);
+}
+
 bool Part::step(double dt, const std::optional<Domain>& domain, StepReport& report) {
   World& world = sim_.world;
   RankTimer timer(figures_);
   if (!stays(dt)) move(motion_.next(dt));
   motion_.way += motion_.next(dt);
   timer.lap(RankStage::sharing);
-  std::vector<BodyId> none;
-  const bool prepared = std::exchange(prepared_, false);
-  for (auto& event : sim_.events) {
-    if (event->is_common() && asked_) event->answer(world);
-    if (event->is_local() && !event->is_common() && !prepared) event->before_step(world, dt, none);
-  }
+  const double booked = act_events(dt);
   overlaps_.reset();
   work_.begin();
   if (sim_.loads) sim_.loads->before_step(world, dt);
   epafi::step(world, sim_.pipeline, sim_.work, dt);
   if (sim_.loads) sim_.work.report.work += sim_.loads->after_step(world, dt);
+  sim_.work.report.work += booked;
   work_.end();
   timer.skip();
   halo_.begin(world);
   timer.lap(RankStage::exchange);
+  join_held_loads();
   note_overlaps();
   bool sound = is_sound(domain);
   begin_sums(sound);

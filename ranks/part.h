@@ -59,6 +59,8 @@ class Part {
   };
   bool stays(double dt);
   Motion motion_of_own() const;
+  double act_events(double dt);
+  void join_held_loads();
   void begin_sums(bool sound);
   void finish_sums(StepReport& report, bool& sound);
 

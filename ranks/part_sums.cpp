@@ -3,6 +3,7 @@
 #include <array>
 #include <limits>
 
+#include "engine/state/held_loads.h"
 #include "engine/threads/parallel.h"
 #include "ranks/part.h"
 #include "ranks/rows.h"
@@ -19,6 +20,33 @@ void Part::note_overlaps() {
     if (!(c.gap[k] < 0.0)) return 0.0;
     return -c.gap[k] / std::min(territory_.radius(world.shape[c.a[k]]), territory_.radius(world.shape[c.b[k]]));
   });
+}
+
+/// Of fixed and driven bodies, where events read them: all ranks know the sums over all contacts, which have the bits
+/// of one process.
+void Part::join_held_loads() {
+  World& world = sim_.world;
+  if (!world.columns().held_force) return;
+  std::vector<Slot> held;
+  for (Slot s = 0; s < world.size(); ++s)
+    if (!world.is_movable(s)) held.push_back(s);
+  const auto counts = [&](Slot a, Slot b) { return tells_of(world, a, b); };
+  std::vector<std::byte> rows, all;
+  for (const HeldLoad& load : held_loads(world, sim_.work.contacts, held, counts)) append_row(rows, load);
+  gather_rows(rows, sizeof(HeldLoad), all);
+  std::vector<double> sums(6 * held.size());
+  for (std::size_t h = 0; h < held.size() && rank_number() == 0; ++h) {
+    HeldLoad load;
+    for (int rank = 0; rank < rank_count(); ++rank)
+      load += row_at<HeldLoad>(all, h + static_cast<std::size_t>(rank) * held.size());
+    for (std::size_t c = 0; c < 6; ++c) sums[6 * h + c] = load.sums[c].value();
+  }
+  broadcast(sums.data(), sums.size() * sizeof(double));
+  for (std::size_t h = 0; h < held.size(); ++h) {
+    const double* const x = &sums[6 * h];
+    world.force[held[h]] = Vec3(x[0], x[1], x[2]);
+    if (world.rotates()) world.torque[held[h]] = Vec3(x[3], x[4], x[5]);
+  }
 }
 
 /// Before those that the model keeps by itself are in one set with the others.

@@ -156,7 +156,6 @@ void Simulation::prepare(double dt, bool sort) {
   if (sort) sort_bodies();
 }
 
-/// Of bodies that servos move on all others, with the forces of the last step [W].
 double Simulation::held_power() const {
   if (!world.columns().held_force) return 0.0;
   return block_sum<double>(world.size(), [&](std::size_t s) {

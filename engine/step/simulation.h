@@ -72,6 +72,8 @@ class Simulation {
   /// run_on: only observers read the bodies before the next call, which has the same time step: the contact model may
   /// do its first half at once (saves 10 of 57 ns of a sphere in a bed).
   std::optional<Failure> advance(bool last = false, bool run_on = false);
+  /// Of bodies that servos move on all others, with the forces of the last step [W].
+  double held_power() const;
   /// The last energy of the ledger is not finite (velocities may be).
   std::optional<Failure> look_at_energy();
   /// The last call has begun the next step: bodies must not be read.
@@ -95,7 +97,6 @@ class Simulation {
   std::optional<Failure> make_step(double dt, bool sort, bool run_on, StageTimer& timer);
   std::optional<Failure> make_remote_step(double dt, bool sort, StageTimer& timer);
   void prepare(double dt, bool sort);
-  double held_power() const;
   bool nobody_looks() const;
   bool sorts_now() const { return steps_ + before_ > 0 && (steps_ + before_) % sort_interval == 0; }
   const std::optional<Domain>& watched() const;
