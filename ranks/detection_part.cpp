@@ -84,6 +84,7 @@ StateWalk walk_of(World& world, NarrowPhase& narrow_phase) {
 }  // namespace
 
 void DetectionPart::receive(World* whole, NarrowPhase* memory, double longest) {
+  RankTimer timer(figures_);
   World& world = sim_.world;
   StateImage image = image_of(walk_of(whole ? *whole : world, whole ? *memory : *sim_.pipeline.narrow_phase));
   if (!whole) drop_rows(image);
@@ -109,13 +110,16 @@ void DetectionPart::receive(World* whole, NarrowPhase* memory, double longest) {
   figures_.bytes += arrival.bytes;
   figures_.moved += 1.0;
   EPAFI_REQUIRE(bodies_.received() == world.size(), "rank 0 knows which bodies each rank has");
+  timer.lap(RankStage::sharing);
 }
 
 void DetectionPart::give(NarrowPhase* memory) {
+  RankTimer timer(figures_);
   NarrowPhase& mine = *sim_.pipeline.narrow_phase;
   StateImage image = image_of([&](StateVisitor& visitor) { mine.visit(visitor); });
   figures_.bytes += exchange_rows(image, routes_home(sim_.world, place_)).bytes;
   if (memory) restore(image, [&](StateVisitor& visitor) { memory->visit(visitor); });
+  timer.lap(RankStage::sharing);
 }
 
 void DetectionPart::spread(const World* whole) {
@@ -167,11 +171,17 @@ const PairList& DetectionPart::list_pairs() {
 }
 
 void DetectionPart::find(const World* whole, ContactSet* contacts) {
+  RankTimer timer(figures_);
   spread(whole);
+  timer.lap(RankStage::exchange);
   work_.begin();
-  sim_.pipeline.narrow_phase->collide(sim_.world, list_pairs(), sim_.work.contacts);
+  const PairList& pairs = list_pairs();
+  timer.lap(RankStage::broad_phase);
+  sim_.pipeline.narrow_phase->collide(sim_.world, pairs, sim_.work.contacts);
+  timer.lap(RankStage::narrow_phase);
   work_.end();
   gather(contacts);
+  timer.lap(RankStage::exchange);
   figures_.steps += 1.0;
   figures_.own += own_;
   figures_.ghosts += static_cast<double>(std::ranges::count(sim_.world.owner, std::uint8_t{World::elsewhere}));

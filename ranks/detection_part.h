@@ -26,6 +26,8 @@ class DetectionPart {
   /// By how much a free body may move from where it was received [m].
   double margin() const { return territory_.margin(); }
   const PartFigures& figures() const { return figures_; }
+  /// For what others book of this rank's time.
+  PartFigures& ledger() { return figures_; }
 
  private:
   void spread(const World* whole);

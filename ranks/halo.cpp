@@ -52,7 +52,7 @@ void Halo::set_up(const World& world, std::vector<Slot> slots, std::vector<int> 
   if (static_cast<std::size_t>(others) != into_.size()) throw std::logic_error("a ghost has no owner");
 }
 
-void Halo::refresh(World& world) {
+void Halo::begin(World& world) {
   const std::size_t row = row_of(world);
   out_.resize(from_.size() * row);
   parallel_for(from_.size(), [&](std::size_t k) {
@@ -62,8 +62,13 @@ void Halo::refresh(World& world) {
       to += sizeof(column[0]);
     });
   });
-  plan_.run(out_, row, in_);
+  plan_.begin(out_, row, in_);
   bytes_ += static_cast<double>(out_.size());
+}
+
+void Halo::finish(World& world) {
+  const std::size_t row = row_of(world);
+  plan_.finish(out_, row, in_);
   parallel_for(into_.size(), [&](std::size_t k) {
     const std::byte* from = in_.data() + k * row;
     each_moving(world, [&](auto& column) {

@@ -13,7 +13,13 @@ class Halo {
   void set_up(const World& world, std::vector<Slot> slots, std::vector<int> ranks,
               const std::vector<std::uint32_t>& place);
   /// Position, velocity, force and whatever else of the state changes in a step.
-  void refresh(World& world);
+  void refresh(World& world) {
+    begin(world);
+    finish(world);
+  }
+  /// The same in two steps: own bodies stay as they are in between, ghosts must not be read.
+  void begin(World& world);
+  void finish(World& world);
   std::size_t ghosts() const { return into_.size(); }
   double bytes() const { return bytes_; }  ///< sent by this rank in all steps
 

@@ -15,6 +15,8 @@ enum class Task : std::int32_t {
   give,
   give_contacts,
   give_pieces,  ///< contacts, as pieces have them
+  totals,
+  stiffness,
   step,
   receive_to_find,
   find,
@@ -28,7 +30,7 @@ enum class Task : std::int32_t {
 /// As it is sent to all.
 struct Order {
   Task task = Task::end;
-  std::int32_t code = 0;  ///< to end with
+  std::int32_t code = 0;  ///< to end with; totals: overlaps are asked for too
   double dt = 0.0;        ///< [s]
   double low[3] = {}, high[3] = {};
   std::int32_t has_domain = 0, outside = 0;

@@ -37,9 +37,9 @@ void Part::settle(StateImage& image, const Arrival& arrival) {
   for (Slot s = 0; s < world.size(); ++s) start_[s] = world.unwrapped(s);
   own_ = static_cast<double>(std::ranges::count(world.owner, std::uint8_t{World::here}));
   const Motion own = motion_of_own();
-  std::array<double, 3> largest{own.way, own.speed, own.acceleration};
+  std::array<double, 2> largest{own.speed, own.acceleration};
   max_over_ranks(largest);
-  motion_ = {largest[0], largest[1], largest[2]};
+  motion_ = {0.0, largest[0], largest[1]};
   figures_.bytes += arrival.bytes;
   const Routes now = territory_.routes(world, world.owner, place_, {});
   std::vector<Slot> slots;
@@ -54,6 +54,7 @@ void Part::settle(StateImage& image, const Arrival& arrival) {
 }
 
 void Part::receive(Simulation* whole) {
+  RankTimer timer(figures_);
   StateImage image = image_of(walk_of(whole ? *whole : sim_));
   if (!whole) drop_rows(image);
   take_common(image);
@@ -66,6 +67,7 @@ void Part::receive(Simulation* whole) {
   settle(image, arrival);
   asked_ = false;
   prepared_ = true;
+  timer.lap(RankStage::sharing);
 }
 
 /// Bodies go to the ranks in whose parts they are now; longest: way of a body in the next step [m].
@@ -79,11 +81,14 @@ void Part::move(double longest) {
 }
 
 void Part::give(Simulation* whole) {
+  RankTimer timer(figures_);
+  sum_overlaps();
   sim_.pipeline.contact_model->publish(sim_.world, sim_.work.contacts);  // springs leave their contacts below
   StateImage image = image_of(walk_of(sim_));
   sum_shares(image);
   exchange_rows(image, routes_home(sim_.world, place_));
   if (whole) restore(image, walk_of(*whole));
+  timer.lap(RankStage::sharing);
 }
 
 void Part::give_places(Simulation* whole) {
@@ -105,7 +110,10 @@ std::vector<std::byte> Part::contact_rows(bool in_pieces) {
   const World& world = sim_.world;
   ContactSet& set = sim_.work.contacts;
   const ContactModel& model = *sim_.pipeline.contact_model;
-  if (!in_pieces) model.publish(world, set);
+  if (!in_pieces) {
+    sum_overlaps();
+    model.publish(world, set);
+  }
   std::vector<std::byte> rows;
   const auto add = [&](const ContactSet& contacts, bool own) {
     for (std::size_t k = 0; k < contacts.size(); ++k)
@@ -170,60 +178,109 @@ void Part::put_contacts(const std::vector<std::byte>& rows, World& world, Contac
 }
 
 void Part::give_contacts(Simulation* whole, bool in_pieces) {
+  RankTimer timer(figures_);
   give_places(whole);
   const std::vector<std::byte> rows = contact_rows(in_pieces);
   std::vector<std::byte> arrived;
   const Plan plan(std::vector<int>(rows.size() / sizeof(ContactRow), 0));
   plan.run(rows, sizeof(ContactRow), arrived);
   figures_.bytes += static_cast<double>(rows.size());
-  if (!whole) return;
-  whole->work.contacts.with_moment = sim_.work.contacts.with_moment;
-  put_contacts(arrived, whole->world, whole->work.contacts);
+  if (whole) {
+    whole->work.contacts.with_moment = sim_.work.contacts.with_moment;
+    put_contacts(arrived, whole->world, whole->work.contacts);
+  }
+  timer.lap(RankStage::sharing);
 }
 
+/// No way.
 Part::Motion Part::motion_of_own() const {
   const World& world = sim_.world;
-  const auto largest = [&](auto&& of) {
-    return block_max<double>(world.size(), 0.0, [&](std::size_t i) {
+  std::vector<Motion> parts((world.size() + sum_block - 1) / sum_block);
+  parallel_blocks(world.size(), sum_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
+    Motion most;
+    for (std::size_t i = begin; i < end; ++i) {
       const auto s = static_cast<Slot>(i);
-      return world.owner[s] == World::here ? of(s) : 0.0;
-    });
-  };
-  return {largest([&](Slot s) { return (world.unwrapped(s) - start_[s]).squaredNorm(); }),
-          largest([&](Slot s) { return world.velocity[s].squaredNorm(); }),
-          largest([&](Slot s) { return world.acceleration(s).squaredNorm(); })};
+      if (world.owner[s] != World::here) continue;
+      most.speed = std::max(most.speed, world.velocity[s].squaredNorm());
+      most.acceleration = std::max(most.acceleration, world.acceleration(s).squaredNorm());
+    }
+    parts[block] = most;
+  });
+  Motion all;
+  for (const Motion& part : parts) {
+    all.speed = std::max(all.speed, part.speed);
+    all.acceleration = std::max(all.acceleration, part.acceleration);
+  }
+  return all;
 }
 
-bool Part::step(double dt, const std::optional<Domain>& domain, StepReport& report) {
+/// No body leaves the margin in the next step. Ways are sums of what the fastest body may have gone in each step, and
+/// measured only where these are too long.
+bool Part::stays(double dt) {
+  if (motion_.all(dt) < territory_.margin()) return true;
+  const World& world = sim_.world;
+  double square = block_max<double>(world.size(), 0.0, [&](std::size_t i) {
+    const auto s = static_cast<Slot>(i);
+    return world.owner[s] == World::here ? (world.unwrapped(s) - start_[s]).squaredNorm() : 0.0;
+  });
+  max_over_ranks({&square, 1});
+  motion_.way = std::sqrt(square);
+  return motion_.all(dt) < territory_.margin();
+}
+
+/// Those that every rank does by itself; what they have booked as work, at rank 0 [J].
+double Part::act_events(double dt) {
   World& world = sim_.world;
-  if (!(motion_.all(dt) < territory_.margin())) move(motion_.next(dt));
   std::vector<BodyId> none;
   const bool prepared = std::exchange(prepared_, false);
+  const double power = sim_.held_power(), work = sim_.ledger.last().work;
   for (auto& event : sim_.events) {
     if (event->is_common() && asked_) event->answer(world);
     if (event->is_local() && !event->is_common() && !prepared) event->before_step(world, dt, none);
   }
+  if (prepared || rank_number() != 0) return 0.0;
+  return sim_.ledger.last().work - work + 0.5 * dt * (sim_.held_power() - power);
+}
+
+bool Part::step(double dt, const std::optional<Domain>& domain, StepReport& report) {
+  World& world = sim_.world;
+  RankTimer timer(figures_);
+  if (!stays(dt)) move(motion_.next(dt));
+  motion_.way += motion_.next(dt);
+  timer.lap(RankStage::sharing);
+  const double booked = act_events(dt);
+  overlaps_.reset();
   work_.begin();
   if (sim_.loads) sim_.loads->before_step(world, dt);
   epafi::step(world, sim_.pipeline, sim_.work, dt);
   if (sim_.loads) sim_.work.report.work += sim_.loads->after_step(world, dt);
+  sim_.work.report.work += booked;
   work_.end();
+  timer.skip();
+  halo_.begin(world);
+  timer.lap(RankStage::exchange);
+  join_held_loads();
   note_overlaps();
   bool sound = is_sound(domain);
   begin_sums(sound);
-  halo_.refresh(world);
+  timer.lap(RankStage::hidden);
+  halo_.finish(world);
+  timer.lap(RankStage::exchange);
   figures_.steps += 1.0;
   figures_.ghosts += static_cast<double>(halo_.ghosts());
   figures_.own += own_;
   for (const Stage stage : {Stage::integrate, Stage::broad_phase, Stage::narrow_phase, Stage::contact})
     report.seconds[stage] = sim_.work.report.seconds[stage];
   finish_sums(report, sound);
+  timer.lap(RankStage::sums);
   return sound;
 }
 
 PartFigures Part::figures() const {
   PartFigures all = figures_;
   all.bytes += halo_.bytes();
+  for (const Stage stage : {Stage::integrate, Stage::broad_phase, Stage::narrow_phase, Stage::contact})
+    all.seconds[static_cast<std::size_t>(stage)] = sim_.work.report.seconds[stage];  // they come first in RankStage
   return all;
 }
 

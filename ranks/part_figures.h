@@ -1,5 +1,6 @@
 /// @file part_figures.h  What sharing out has come to, of this rank and of all.
 #pragma once
+#include <chrono>
 #include <ctime>
 #include <utility>
 
@@ -12,6 +13,27 @@ struct PartFigures {
   double steps = 0.0;
   double moved = 0.0;  ///< how often bodies went to other ranks
   double bytes = 0.0;  ///< sent in all
+  RankSeconds seconds{};
+  double& operator[](RankStage stage) { return seconds[static_cast<std::size_t>(stage)]; }
+};
+
+/// Adds wall time to stages of a rank.
+class RankTimer {
+ public:
+  explicit RankTimer(PartFigures& figures) : figures_(figures) {}
+  /// Since the last lap, or since this began.
+  void lap(RankStage stage) {
+    const auto now = Clock::now();
+    figures_[stage] += std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+  }
+  /// The time since the last lap is booked elsewhere.
+  void skip() { last_ = Clock::now(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  PartFigures& figures_;
+  Clock::time_point last_ = Clock::now();
 };
 
 /// Processor time of this process, all threads, for what is to be balanced.

@@ -1,9 +1,12 @@
 // What a step of a part comes to, over all parts.
 #include <algorithm>
 #include <array>
+#include <limits>
 
+#include "engine/state/held_loads.h"
 #include "engine/threads/parallel.h"
 #include "ranks/part.h"
+#include "ranks/rows.h"
 
 namespace epafi {
 
@@ -17,6 +20,69 @@ void Part::note_overlaps() {
     if (!(c.gap[k] < 0.0)) return 0.0;
     return -c.gap[k] / std::min(territory_.radius(world.shape[c.a[k]]), territory_.radius(world.shape[c.b[k]]));
   });
+}
+
+/// Of fixed and driven bodies, where events read them: all ranks know the sums over all contacts, which have the bits
+/// of one process.
+void Part::join_held_loads() {
+  World& world = sim_.world;
+  if (!world.columns().held_force) return;
+  std::vector<Slot> held;
+  for (Slot s = 0; s < world.size(); ++s)
+    if (!world.is_movable(s)) held.push_back(s);
+  const auto counts = [&](Slot a, Slot b) { return tells_of(world, a, b); };
+  std::vector<std::byte> rows, all;
+  for (const HeldLoad& load : held_loads(world, sim_.work.contacts, held, counts)) append_row(rows, load);
+  gather_rows(rows, sizeof(HeldLoad), all);
+  std::vector<double> sums(6 * held.size());
+  for (std::size_t h = 0; h < held.size() && rank_number() == 0; ++h) {
+    HeldLoad load;
+    for (int rank = 0; rank < rank_count(); ++rank)
+      load += row_at<HeldLoad>(all, h + static_cast<std::size_t>(rank) * held.size());
+    for (std::size_t c = 0; c < 6; ++c) sums[6 * h + c] = load.sums[c].value();
+  }
+  broadcast(sums.data(), sums.size() * sizeof(double));
+  for (std::size_t h = 0; h < held.size(); ++h) {
+    const double* const x = &sums[6 * h];
+    world.force[held[h]] = Vec3(x[0], x[1], x[2]);
+    if (world.rotates()) world.torque[held[h]] = Vec3(x[3], x[4], x[5]);
+  }
+}
+
+/// Before those that the model keeps by itself are in one set with the others.
+void Part::sum_overlaps() {
+  if (overlaps_) return;
+  const World& world = sim_.world;
+  const ContactPieces pieces(world, sim_.work.contacts, sim_.pipeline.contact_model.get());
+  overlaps_ = overlap_totals(
+      world, pieces, [&](std::uint32_t shape) { return territory_.radius(shape); },
+      [&](Slot a, Slot b) { return tells_of(world, a, b); });
+}
+
+RemoteTotals Part::totals(bool overlaps) {
+  RankTimer timer(figures_);
+  RemoteTotals mine{body_totals(sim_.world), {}};
+  if (overlaps) {
+    sum_overlaps();
+    mine.overlaps = *overlaps_;
+  }
+  std::vector<std::byte> row, all;
+  append_row(row, mine);
+  gather_rows(row, sizeof mine, all);
+  RemoteTotals sum;
+  for (std::size_t k = 0; k < all.size() / sizeof sum; ++k) sum += row_at<RemoteTotals>(all, k);
+  timer.lap(RankStage::sums);
+  return sum;
+}
+
+double Part::stiffness(double dt) {
+  if (!stiffness_) return std::numeric_limits<double>::infinity();
+  const ContactPieces pieces(sim_.world, sim_.work.contacts, sim_.pipeline.contact_model.get());
+  RankTimer timer(figures_);
+  double largest = stiffness_(sim_.world, pieces, dt);
+  max_over_ranks({&largest, 1});
+  timer.lap(RankStage::sums);
+  return largest;
 }
 
 /// Of the bodies that this rank owns.
@@ -46,14 +112,13 @@ void Part::begin_sums(bool sound) {
                                     sound ? 0.0 : 1.0,
                                     asks() ? 1.0 : 0.0};
   const Motion motion = motion_of_own();
-  const std::array<double, 5> largest{mine.deepest, mine.deepest_relative, motion.way, motion.speed,
-                                      motion.acceleration};
+  const std::array<double, 4> largest{mine.deepest, mine.deepest_relative, motion.speed, motion.acceleration};
   joint_.begin(sums, largest);
 }
 
 void Part::finish_sums(StepReport& report, bool& sound) {
   std::array<double, 12> sums{};
-  std::array<double, 5> largest{};
+  std::array<double, 4> largest{};
   joint_.finish(sums, largest);
   report.pairs = static_cast<std::size_t>(sums[0]);
   report.contacts = static_cast<std::size_t>(sums[1]);
@@ -64,7 +129,8 @@ void Part::finish_sums(StepReport& report, bool& sound) {
   report.losses = {sums[6], sums[7], sums[8], sums[9]};
   report.deepest = largest[0];
   report.deepest_relative = largest[1];
-  motion_ = {largest[2], largest[3], largest[4]};
+  motion_.speed = largest[2];
+  motion_.acceleration = largest[3];
   sound = sums[10] == 0.0;
   asked_ = sums[11] != 0.0;
 }

@@ -34,13 +34,24 @@ Plan::~Plan() {
   if (made != nullptr) Zoltan_Comm_Destroy(&made);
 }
 
-void Plan::run(const std::vector<std::byte>& rows, std::size_t row, std::vector<std::byte>& arrived) const {
+namespace {
+/// No null pointers.
+char* bytes_of(const std::vector<std::byte>& rows) {
+  static std::byte none{};
+  return reinterpret_cast<char*>(const_cast<std::byte*>(rows.empty() ? &none : rows.data()));
+}
+}  // namespace
+
+void Plan::begin(const std::vector<std::byte>& rows, std::size_t row, std::vector<std::byte>& arrived) const {
   EPAFI_REQUIRE(rows.size() == sent_ * row, "a row for each place of the plan");
-  std::byte none{};
   arrived.resize(received_ * row);
-  char* const from = reinterpret_cast<char*>(const_cast<std::byte*>(rows.empty() ? &none : rows.data()));
-  char* const to = reinterpret_cast<char*>(arrived.empty() ? &none : arrived.data());
-  check(Zoltan_Comm_Do(zoltan(plan_), tag_of_rows, from, static_cast<int>(row), to), "an exchange");
+  check(Zoltan_Comm_Do_Post(zoltan(plan_), tag_of_rows, bytes_of(rows), static_cast<int>(row), bytes_of(arrived)),
+        "an exchange");
+}
+
+void Plan::finish(const std::vector<std::byte>& rows, std::size_t row, std::vector<std::byte>& arrived) const {
+  check(Zoltan_Comm_Do_Wait(zoltan(plan_), tag_of_rows, bytes_of(rows), static_cast<int>(row), bytes_of(arrived)),
+        "an exchange");
 }
 
 }  // namespace epafi

@@ -25,7 +25,13 @@ class Plan {
   std::size_t received() const { return received_; }
   /// Rows of so many bytes, in the order of `to`. Those that come do so in the same order in every call, those of one
   /// rank as it sent them.
-  void run(const std::vector<std::byte>& rows, std::size_t row, std::vector<std::byte>& arrived) const;
+  void run(const std::vector<std::byte>& rows, std::size_t row, std::vector<std::byte>& arrived) const {
+    begin(rows, row, arrived);
+    finish(rows, row, arrived);
+  }
+  /// The same in two steps, both with the same rows, which stay as they are in between.
+  void begin(const std::vector<std::byte>& rows, std::size_t row, std::vector<std::byte>& arrived) const;
+  void finish(const std::vector<std::byte>& rows, std::size_t row, std::vector<std::byte>& arrived) const;
 
  private:
   void swap(Plan& o) {

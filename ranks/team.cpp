@@ -40,6 +40,16 @@ class Leader final : public RemoteSteps {
     tell({.task = in_pieces ? Task::give_pieces : Task::give_contacts});
     part_.give_contacts(&whole, in_pieces);
   }
+  RemoteTotals totals(bool overlaps) override {
+    const Busy busy(busy_);
+    tell({.task = Task::totals, .code = overlaps ? 1 : 0});
+    return part_.totals(overlaps);
+  }
+  double stiffness(double dt) override {
+    const Busy busy(busy_);
+    tell({.task = Task::stiffness, .dt = dt});
+    return part_.stiffness(dt);
+  }
   bool step(double dt, const std::optional<Domain>& domain, StepReport& report) override {
     const Busy busy(busy_);
     fetched_ = 0;
@@ -68,6 +78,15 @@ std::string announced(const Order& order) {
   return text;
 }
 
+/// The next one; the time until it comes is booked.
+Order await(PartFigures& figures) {
+  RankTimer timer(figures);
+  Order order;
+  broadcast(&order, sizeof order);
+  timer.lap(RankStage::orders);
+  return order;
+}
+
 /// Orders that parts of every kind obey; what ends their work, or nothing.
 template <class AnyPart>
 std::optional<RankTeam::Followed> obey_any(const Order& order, AnyPart& part) {
@@ -88,8 +107,7 @@ std::optional<RankTeam::Followed> obey_any(const Order& order, AnyPart& part) {
 RankTeam::Followed obey(Part& part) {
   StepReport report;
   while (true) {
-    Order order;
-    broadcast(&order, sizeof order);
+    const Order order = await(part.ledger());
     switch (order.task) {
       case Task::receive:
         part.receive(nullptr);
@@ -100,6 +118,12 @@ RankTeam::Followed obey(Part& part) {
       case Task::give_contacts:
       case Task::give_pieces:
         part.give_contacts(nullptr, order.task == Task::give_pieces);
+        break;
+      case Task::totals:
+        part.totals(order.code != 0);
+        break;
+      case Task::stiffness:
+        part.stiffness(order.dt);
         break;
       case Task::step:
         part.step(order.dt, order.domain(), report);
@@ -112,8 +136,7 @@ RankTeam::Followed obey(Part& part) {
 
 RankTeam::Followed obey(DetectionPart& part, const PartSetup& setup, RankMessages& messages) {
   while (true) {
-    Order order;
-    broadcast(&order, sizeof order);
+    const Order order = await(part.ledger());
     switch (order.task) {
       case Task::receive_to_find:
         part.receive(nullptr, nullptr, 0.0);

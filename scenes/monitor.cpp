@@ -10,44 +10,15 @@
 namespace epafi {
 
 namespace {
-struct OverlapSum {
-  double max = 0.0, max_relative = 0.0, sum = 0.0;
-  std::size_t pairs = 0;
-  OverlapSum& operator+=(const OverlapSum& o) {
-    max = std::max(max, o.max);
-    max_relative = std::max(max_relative, o.max_relative);
-    sum += o.sum;
-    pairs += o.pairs;
-    return *this;
-  }
-};
+Overlap told(const OverlapTotals& all) {
+  const double mean = all.pairs > 0 ? all.sum.value() / static_cast<double>(all.pairs) : 0.0;
+  return {all.max, mean, all.max_relative, all.pairs};
+}
 }  // namespace
 
 Overlap measure_overlap(const World& world, const ContactPieces& contacts, const ShapeStore& shapes) {
-  const auto smaller = [&](Slot a, Slot b) {
-    return std::min(shapes.bounding_radius({world.shape[a]}), shapes.bounding_radius({world.shape[b]}));
-  };
-  std::vector<OverlapSum>& sums = block_results<OverlapSum>(contacts.size(), OverlapSum{});
-  parallel_for(
-      contacts.size(),
-      [&](std::size_t piece) {
-        contacts.read_gaps(piece, [&](const ContactSet& c, std::size_t begin, std::size_t end) {
-          const auto same = [&](std::size_t k, std::size_t l) { return c.a[k] == c.a[l] && c.b[k] == c.b[l]; };
-          OverlapSum sum;
-          for (std::size_t first = begin; first < end; ++first) {
-            if (first > 0 && same(first - 1, first)) continue;  // the first contact of a pair stands for it
-            double deepest = 0.0;
-            for (std::size_t k = first; k < c.size() && same(first, k); ++k) deepest = std::max(deepest, -c.gap[k]);
-            if (deepest <= 0.0) continue;
-            sum += {deepest, deepest / smaller(c.a[first], c.b[first]), deepest, 1};
-          }
-          sums[piece] += sum;
-        });
-      },
-      1);
-  OverlapSum all;
-  for (const OverlapSum& sum : sums) all += sum;
-  return {all.max, all.pairs > 0 ? all.sum / static_cast<double>(all.pairs) : 0.0, all.max_relative, all.pairs};
+  const auto radius = [&](std::uint32_t shape) { return shapes.bounding_radius({shape}); };
+  return told(overlap_totals(world, contacts, radius, [](Slot, Slot) { return true; }));
 }
 
 RunMonitor::RunMonitor(const Scene& scene, const std::vector<BodyIds>& bound_bodies, const ShapeStore& shapes,
@@ -131,7 +102,7 @@ void RunMonitor::note_overlap(const StepView& view) {
 }
 
 void RunMonitor::look(const StepView& view) {
-  last_overlap_ = measure_overlap(view.world, view.pieces(), shapes_);
+  last_overlap_ = view.overlaps ? told(*view.overlaps) : measure_overlap(view.world, view.pieces(), shapes_);
   if (view.last || view.step * 10 >= steps_ * 9) {
     totals_.overlap_mean += last_overlap_.mean;
     totals_.overlap_looks += 1;
@@ -184,11 +155,10 @@ void RunMonitor::look_at_momentum(const StepView& view) {
   const World& w = view.world;
   // walls take momentum: the balance is that of closed systems only
   if (w.columns().external_force || view.movable < w.size()) return;
-  const Sum3 sum = block_sum<Sum3>(w.size(), [&](std::size_t s) {
-    return Sum3{w.velocity[s].norm() / w.inverse_mass[s], 1.0 / w.inverse_mass[s], 0.0};
-  });
-  const double magnitude = sum.a, mass = sum.b;
-  const Vec3 p = linear_momentum(w) - mass * w.fallen;
+  const BodyTotals all = view.totals();
+  const double magnitude = all.momenta.value();
+  const Vec3 p =
+      Vec3(all.momentum[0].value(), all.momentum[1].value(), all.momentum[2].value()) - all.mass.value() * w.fallen;
   if (momentum_.started == 0) {
     for (int k = 0; k < 3; ++k) momentum_.start[k] = p[k];
     momentum_.started = 1;

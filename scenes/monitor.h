@@ -14,7 +14,7 @@
 
 namespace epafi {
 
-/// Worst and mean overlap over the pairs that overlap; a pair's overlap is that of its deepest point.
+/// Worst and mean overlap over the pairs that overlap (engine/step/totals.h).
 struct Overlap {
   double max = 0.0, mean = 0.0;  ///< [m]
   double max_relative = 0.0;     ///< to the smaller body's bounding radius
@@ -43,9 +43,9 @@ class RunMonitor final : public Observer {
              Warnings& warnings);
   bool is_due(std::uint64_t) const override { return true; }
   bool wants_energy(std::uint64_t step) const override { return step % interval_ == 0; }
-  bool wants_bodies(std::uint64_t step) const override { return follows_bodies_ || step % interval_ == 0; }
+  bool wants_bodies(std::uint64_t) const override { return follows_bodies_; }
   ContactView wants_contacts(std::uint64_t step, bool last) const override {
-    return last || step % interval_ == 0 ? ContactView::pieces : ContactView::none;
+    return last || step % interval_ == 0 ? ContactView::overlaps : ContactView::none;
   }
   void observe(const StepView& view) override;
   /// After the last step of a run that is cut off: tells a balance that has opened since the last look.

@@ -30,7 +30,7 @@ void Progress::enter(const std::string& stage, std::uint64_t first_step, std::ui
   steps_ = last_step;
 }
 
-std::string Progress::line(const Simulation& sim, const RunMonitor& monitor) const {
+std::string Progress::line(Simulation& sim, const RunMonitor& monitor) const {
   const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
   const double done = static_cast<double>(sim.steps()),
                rate = (done - static_cast<double>(first_)) / std::max(elapsed, 1e-9);
@@ -43,14 +43,14 @@ std::string Progress::line(const Simulation& sim, const RunMonitor& monitor) con
       sim.world.time, clock_text(eta), rate, sim.world.size(), r.touching, sim.ledger.last().kinetic,
       monitor.last_overlap().max_relative);
   if (r.has_solver) text += fmt::format("  residual {:.2g} in {} it", r.solver.residual, r.solver.iterations);
-  EnergyLedger now = sim.ledger;                // a copy: a look may not extend what the run's own error is relative to
-  if (!sim.is_ahead()) now.measure(sim.world);  // work is booked every step, energies only when measured
+  EnergyLedger now = sim.ledger;  // a copy: a look may not extend what the run's own error is relative to
+  if (!sim.is_ahead()) now.measure(sim.totals());  // work is booked every step, energies only when measured
   text += fmt::format("  energy error {:.2g}", now.relative_error());
   for (const Warning& w : sim.warnings.all()) text += "  warning: " + w.text;
   return text;
 }
 
-void Progress::print(const Simulation& sim, const RunMonitor& monitor) {
+void Progress::print(Simulation& sim, const RunMonitor& monitor) {
   const std::string text = line(sim, monitor);
   warned_ = sim.warnings.all().size();
   if (!terminal_) {
@@ -65,7 +65,7 @@ void Progress::print(const Simulation& sim, const RunMonitor& monitor) {
   std::fflush(stderr);
 }
 
-void Progress::update(const Simulation& sim, const RunMonitor& monitor) {
+void Progress::update(Simulation& sim, const RunMonitor& monitor) {
   if (quiet_) return;
   const auto now = Clock::now();
   const bool warns = sim.warnings.all().size() > warned_;  // told at once
@@ -74,7 +74,7 @@ void Progress::update(const Simulation& sim, const RunMonitor& monitor) {
   print(sim, monitor);
 }
 
-void Progress::finish(const Simulation& sim, const RunMonitor& monitor) {
+void Progress::finish(Simulation& sim, const RunMonitor& monitor) {
   if (quiet_) return;
   print(sim, monitor);
   if (terminal_) std::fprintf(stderr, "\n");

@@ -15,13 +15,13 @@ class Progress {
   /// A stage begins: progress is counted from here.
   void enter(const std::string& stage, std::uint64_t first_step, std::uint64_t last_step);
   /// Cheap to call every step: prints at most every 0.5 s (bar) or 10 s (lines).
-  void update(const Simulation& sim, const RunMonitor& monitor);
-  void finish(const Simulation& sim, const RunMonitor& monitor);
+  void update(Simulation& sim, const RunMonitor& monitor);
+  void finish(Simulation& sim, const RunMonitor& monitor);
 
  private:
   using Clock = std::chrono::steady_clock;
-  std::string line(const Simulation& sim, const RunMonitor& monitor) const;
-  void print(const Simulation& sim, const RunMonitor& monitor);
+  std::string line(Simulation& sim, const RunMonitor& monitor) const;
+  void print(Simulation& sim, const RunMonitor& monitor);
 
   std::uint64_t steps_, first_, begin_ = 0;
   std::string stage_;

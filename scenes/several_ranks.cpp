@@ -6,6 +6,7 @@
 
 #include "detection/narrow/on_surface.h"
 #include "laws/nonsmooth/shared_sweeps.h"
+#include "scenes/stability_watch.h"
 
 namespace epafi {
 
@@ -28,27 +29,17 @@ class Refusals {
 
 constexpr const char* run_alone = "run the scene without `mpi N`";
 
-/// What single bodies ask for, at the first that does.
-void refuse_bodies(const Scene& scene, Refusals& refusals) {
-  const auto first = [&](auto&& asks, const std::string& what, const std::string& instead) {
-    for (const BodySpec& b : scene.bodies)
-      if (!b.absent && asks(b)) return refusals.add(true, scene.groups[b.group].place, what, instead);
-  };
-  first([](const BodySpec& b) { return b.servo.has_value(); }, "a servo wall",
-        fmt::format("give it a motion of its own, or {}", run_alone));
-  first([](const BodySpec& b) { return b.on_rails; }, "a wheelset", run_alone);
+void refuse_wheelsets(const Scene& scene, Refusals& refusals) {
+  for (const BodySpec& b : scene.bodies)
+    if (!b.absent && b.on_rails) return refusals.add(true, scene.groups[b.group].place, "a wheelset", run_alone);
 }
-
-}  // namespace
-
-namespace {
 
 /// What whole steps cannot do where each process has its bodies alone. Of impulses process 0 makes the steps.
 void refuse_in_steps(const Scene& scene, Refusals& refusals) {
   if (!scene.springs.empty()) refusals.add(true, scene.springs.front().place, "a [[spring]]", run_alone);
   if (scene.output.problems_every)
     refusals.add(true, scene.output.problems_every->place, "output.problems_every", run_alone);
-  refuse_bodies(scene, refusals);
+  refuse_wheelsets(scene, refusals);
 }
 
 void refuse(const Scene& scene, bool rolls, Refusals& refusals) {
@@ -94,6 +85,7 @@ PartSetup part_setup(const Assembly& a) {
           radius,
           is_clump,
           smooth && has_flat_bodies(a) ? 3 : 1,
+          smooth ? stiffness_of_parts(a) : decltype(PartSetup::stiffness){},
           help_with_sweeps};
 }
 

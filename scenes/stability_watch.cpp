@@ -59,6 +59,7 @@ class StabilityWatch final : public StepWatch {
     if (deepest > grown * state_.known) state_.next_look = std::min(state_.next_look, step + 1);
     state_.deepest = deepest;
   }
+  bool passes(std::uint64_t step, double bound) override;
   std::optional<Failure> look(const StepView& view) override;
   int parts() const override { return state_.parts; }
   void visit(StateVisitor& visitor) override { visitor.value("stability_watch", state_); }
@@ -85,6 +86,15 @@ class StabilityWatch final : public StepWatch {
   State state_;
   std::vector<StiffLink> links_;
 };
+
+/// As a look that finds a step stable, in one part: nothing changes.
+bool StabilityWatch::passes(std::uint64_t step, double bound) {
+  if (state_.parts > 1 || !(bound < (written_ ? 1.0 : most_chosen))) return false;
+  state_.next_look = step + interval_;
+  state_.known = std::max(state_.known, state_.deepest);
+  state_.unstable = 0;
+  return true;
+}
 
 std::optional<Failure> StabilityWatch::look(const StepView& view) {
   const double most = written_ ? 1.0 : most_chosen;
@@ -142,6 +152,16 @@ std::unique_ptr<StepWatch> make_stability_watch(const Assembly& a) {
   if (a.scene.contact.method.value != Method::smooth || a.scene.run.allow_unstable) return nullptr;
   if (a.plan.rolling) return nullptr;  // contacts of wheels on rails are not among those that it knows
   return std::make_unique<StabilityWatch>(a);
+}
+
+std::function<double(const World&, const ContactPieces&, double)> stiffness_of_parts(const Assembly& a) {
+  const auto source = std::make_shared<const LinkSource>(a);
+  if (!source->driven().empty()) return {};
+  return [source](const World& world, const ContactPieces& pieces, double dt) {
+    std::vector<StiffLink> links;
+    source->read(world, pieces, dt, links);
+    return stiffness_bound(world, links);
+  };
 }
 
 double stable_step_now(const Assembly& a) {

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/threads/parallel.h"
-
 namespace epafi {
 
 namespace {
@@ -16,11 +14,6 @@ constexpr double band_share = 1e-3;  // swings of single contacts: automatic ste
 // steps: the first touch of a scene at rest errs by all of an energy that is nothing yet
 constexpr double passing = 40;
 constexpr double noise_per_residual = 1e3;  // velocities of a stack of 30 err by 30 times what its residual says
-
-double free_mass(const World& world) {
-  return block_sum<double>(
-      world.size(), [&](std::size_t s) { return world.inverse_mass[s] > 0.0 ? 1.0 / world.inverse_mass[s] : 0.0; });
-}
 }  // namespace
 
 void WatchedBalance::Swings::follow(double value, double band) {
@@ -48,11 +41,9 @@ void WatchedBalance::note(const StepReport& report) {
 /// Of smooth contact: what bodies that are found a rounding of their positions apart have moved with, once in every
 /// step, as a dashpot between them goes on to take it [J].
 double WatchedBalance::rounding_energy(const StepView& view) const {
-  const World& world = view.world;
-  const double far = block_max<double>(
-      world.size(), 0.0, [&](std::size_t s) { return world.inverse_mass[s] > 0.0 ? world.position[s].norm() : 0.0; });
-  const double speed = std::numeric_limits<double>::epsilon() * far / view.dt;
-  return 0.5 * static_cast<double>(view.step) * free_mass(world) * speed * speed;
+  const BodyTotals all = view.totals();
+  const double speed = std::numeric_limits<double>::epsilon() * all.farthest / view.dt;
+  return 0.5 * static_cast<double>(view.step) * all.mass.value() * speed * speed;
 }
 
 /// E_ref of the looks [J]. The spread is that of the bodies' motion: where some come or go the potential energy jumps.
@@ -73,7 +64,7 @@ void WatchedBalance::look(const StepView& view) {
   const Energy& now = view.ledger.last();
   if (view.report.has_solver) {
     const double fall = view.world.gravity.norm() * view.dt;
-    state_.noise += state_.noisy_steps * 0.5 * free_mass(view.world) * fall * fall;
+    state_.noise += state_.noisy_steps * 0.5 * view.totals().mass.value() * fall * fall;
     state_.noisy_steps = 0;
   }
   const double unexplained = now.stored() + now.taken - now.work, put_in = -now.taken;

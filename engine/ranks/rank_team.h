@@ -21,6 +21,8 @@ struct PartSetup {
   std::function<bool(std::uint32_t shape)> is_clump;  ///< of World::shape
   /// What a contact is decided by: 1, the two bodies; 3, what touches them, and what touches that.
   int rings = 1;
+  /// Of bodies and contacts in a part, for engine/step/stiffest_mode.h; empty: it does not matter. dt [s]
+  std::function<double(const World&, const ContactPieces&, double dt)> stiffness{};
   std::function<void(RankMessages&)> help;  ///< with what process 0 solves (RankMessages::together)
 };
 

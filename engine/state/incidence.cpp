@@ -1,6 +1,6 @@
 #include "engine/state/incidence.h"
 
-#include "engine/threads/order_free_sum.h"
+#include "engine/state/held_loads.h"
 #include "engine/threads/parallel_order.h"
 
 namespace epafi {
@@ -21,13 +21,6 @@ void Incidence::build(const ContactSet& contacts, std::size_t bodies) {
 }
 
 namespace {
-
-/// Of contact k on a body: sign +1 where it is A, -1 where it is B.
-Vec3 torque_of(const ContactSet& contacts, std::uint32_t k, double sign, const World& world) {
-  const Vec3 arm = sign > 0 ? contacts.arm[k] : contacts.arm_b(k, world);
-  const Vec3 torque = sign * arm.cross(contacts.force[k]);
-  return contacts.with_moment ? Vec3(torque + sign * contacts.moment[k]) : torque;
-}
 
 /// Vectors of which the sum does not depend on their order.
 class OrderFreeVectors {
@@ -57,7 +50,7 @@ void gather_held(const ContactSet& contacts, Slot s, World& world, const Each& e
   torques.clear();
   each([&](std::uint32_t k, double sign) {
     forces.add(sign * contacts.force[k]);
-    if (world.rotates()) torques.add(torque_of(contacts, k, sign, world));
+    if (world.rotates()) torques.add(contact_torque(contacts, k, sign, world));
   });
   world.force[s] = forces.sum();
   if (world.rotates()) world.torque[s] = torques.sum();

@@ -19,7 +19,7 @@ double kinetic_energy(const World& world, Slot s) {
 }
 
 double kinetic_energy(const World& world) {
-  return block_sum<double>(world.size(), [&](std::size_t i) { return kinetic_energy(world, static_cast<Slot>(i)); });
+  return order_free_sum(world.size(), [&](std::size_t i) { return kinetic_energy(world, static_cast<Slot>(i)); });
 }
 
 double potential_energy(const World& world, Slot s) {
@@ -28,20 +28,12 @@ double potential_energy(const World& world, Slot s) {
 }
 
 double potential_energy(const World& world) {
-  return block_sum<double>(world.size(), [&](std::size_t i) {
-    const auto s = static_cast<Slot>(i);
-    return potential_energy(world, s);
-  });
+  return order_free_sum(world.size(), [&](std::size_t i) { return potential_energy(world, static_cast<Slot>(i)); });
 }
 
 Vec3 linear_momentum(const World& world) {
-  const auto sum = block_sum<Sum3>(world.size(), [&](std::size_t i) {
-    const auto s = static_cast<Slot>(i);
-    if (!world.is_movable(s)) return Sum3{};
-    const Vec3 p = world.velocity[s] / world.inverse_mass[s];
-    return Sum3{p.x(), p.y(), p.z()};
-  });
-  return {sum.a, sum.b, sum.c};
+  const BodyTotals all = body_totals(world);
+  return {all.momentum[0].value(), all.momentum[1].value(), all.momentum[2].value()};
 }
 
 void EnergyLedger::start(const World& world, const StepReport& report) {
@@ -83,12 +75,10 @@ void EnergyLedger::accept_bodies(double kinetic, double potential) {
   now_.potential += potential;
 }
 
-Energy EnergyLedger::measure(const World& world) {
-  if (fall_ > 0.0)
-    mass_ = block_sum<double>(
-        world.size(), [&](std::size_t s) { return world.inverse_mass[s] > 0.0 ? 1.0 / world.inverse_mass[s] : 0.0; });
-  now_.kinetic = kinetic_energy(world);
-  now_.potential = potential_energy(world);
+Energy EnergyLedger::measure(const BodyTotals& bodies) {
+  if (fall_ > 0.0) mass_ = bodies.mass.value();
+  now_.kinetic = bodies.kinetic.value();
+  now_.potential = bodies.potential.value();
   largest_inner_ = std::max(largest_inner_, now_.kinetic + now_.elastic);
   lowest_potential_ = std::min(lowest_potential_, now_.potential);
   highest_potential_ = std::max(highest_potential_, now_.potential);

@@ -3,11 +3,13 @@
 /// spread of the potential energy. Potential: gravity and external forces, not their parts that follow time. What
 /// position correction puts in is part of the error and shown by itself. Dissipation never falls: where contacts
 /// put in more than they took since it was last at its height, the difference is `gained`, which no term balances, so
-/// that it stays in the error. All sums in a fixed order.
+/// that it stays in the error. Sums over bodies
+/// depend on no order.
 #pragma once
 #include "engine/state/state_visitor.h"
 #include "engine/state/world.h"
 #include "engine/step/report.h"
+#include "engine/step/totals.h"
 
 namespace epafi {
 
@@ -48,7 +50,8 @@ class EnergyLedger {
   /// The elastic energy after such a change, before the jump is accepted.
   void take_elastic(const StepReport& report) { now_.elastic = report.elastic; }
   /// Stored energies now; extends E_ref. Costs one pass over the bodies, so call it as often as the error is wanted.
-  Energy measure(const World& world);
+  Energy measure(const World& world) { return measure(body_totals(world)); }
+  Energy measure(const BodyTotals& bodies);
 
   const Energy& last() const { return now_; }
   double relative_error() const { return relative(error()); }

@@ -17,18 +17,22 @@ struct StepView {
   const PairList& pairs;
   const StepReport& report;
   const EnergyLedger& ledger;
-  std::uint64_t step = 0;               ///< steps done so far
-  double dt = 0.0;                      ///< [s]
-  std::size_t movable = 0;              ///< free bodies now
-  bool last = false;                    ///< the run ends with this step
-  const ContactModel* model = nullptr;  ///< with contacts of its own; null: none
+  std::uint64_t step = 0;                   ///< steps done so far
+  double dt = 0.0;                          ///< [s]
+  std::size_t movable = 0;                  ///< free bodies now
+  bool last = false;                        ///< the run ends with this step
+  const ContactModel* model = nullptr;      ///< with contacts of its own; null: none
+  const BodyTotals* bodies = nullptr;       ///< of this moment; null: `world` has the bodies
+  const OverlapTotals* overlaps = nullptr;  ///< of this moment, where contacts may be elsewhere; null: they are here
 
   /// All contacts, those that are not among `contacts` too.
   ContactPieces pieces() const { return {world, contacts, model}; }
+  BodyTotals totals() const { return bodies != nullptr ? *bodies : body_totals(world); }
 };
 
-/// Which single contacts an observer reads: none, those of StepView::pieces, or all of them in `contacts`.
-enum class ContactView { none, pieces, all };
+/// What an observer reads of contacts: nothing, what is summed over overlaps (StepView::overlaps, or else pieces),
+/// single ones of StepView::pieces, or all of them in `contacts`.
+enum class ContactView { none, overlaps, pieces, all };
 
 /// Called when `is_due`; the simulation measures the energies before if `wants_energy`.
 class Observer {
@@ -36,7 +40,8 @@ class Observer {
   virtual ~Observer() = default;
   virtual bool is_due(std::uint64_t step) const = 0;
   virtual bool wants_energy(std::uint64_t /*step*/) const { return false; }
-  /// It reads the bodies in this step. If no observer does, the next step may begin before this one is shown.
+  /// It reads single bodies in this step: they come together from wherever they are. If no observer does, nor wants
+  /// energies, the next step may begin before this one is shown.
   virtual bool wants_bodies(std::uint64_t step) const { return is_due(step); }
   /// In this step (`last`: the last one of the run). Contacts that no observer reads are not written out: a contact
   /// model that finds contacts of its own shows them piece by piece where that is enough.

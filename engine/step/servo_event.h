@@ -16,6 +16,8 @@ class ServoEvent final : public Event {
   ServoEvent(BodyId body, const Servo& servo, double elapsed, EnergyLedger& ledger)
       : body_(body), servo_(servo), elapsed_(elapsed), ledger_(ledger) {}
   void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
+  /// Every process knows the sum of all forces on the wall (engine/state/held_loads.h).
+  bool is_local() const override { return true; }
   void visit(StateVisitor& visitor) override;
 
  private:

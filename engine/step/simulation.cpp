@@ -52,8 +52,9 @@ void Simulation::start() {
   else
     pipeline.contact_model->store(world, work.report);
   ledger.start(world, work.report);
-  observe(false);
-  static_cast<void>(look_at_step());  // a single look ends no run
+  const bool watched = step_is_watched();
+  observe(false, watched);
+  if (watched) static_cast<void>(look_at_step());  // a single look ends no run
 }
 
 /// Where forces hold they are kept to the bit: a stage that changes nothing is no event.
@@ -69,14 +70,15 @@ void Simulation::enter(const Entry& entry) {
       pipeline.contact_model->store(world, work.report);
     }
   }
+  const bool watched = (!entry.forces_hold || entry.new_ledger) && step_is_watched();
   if (entry.new_ledger) {
     ledger.start(world, work.report);
-    observe(false);
+    observe(false, watched);
   } else {  // this step has been seen
     ledger.take_elastic(work.report);
     ledger.accept_jump(world, entry.stored_before);
   }
-  if (!entry.forces_hold || entry.new_ledger) static_cast<void>(look_at_step());
+  if (watched) static_cast<void>(look_at_step());
 }
 
 std::optional<Failure> Simulation::advance(bool last, bool run_on) {
@@ -95,18 +97,24 @@ std::optional<Failure> Simulation::advance(bool last, bool run_on) {
   work.report.deepest = deepest;
   parts_made_ += static_cast<std::uint64_t>(parts);
   timer.lap(Stage::events);
-  observe(last);
+  const bool watched = step_is_watched();
+  observe(last, watched);
   timer.lap(Stage::output);
-  auto failure = look_at_step();
+  auto failure = watched ? look_at_step() : std::nullopt;
   if (!failure) failure = look_at_energy();
   timer.lap(Stage::events);
   return failure;
 }
 
-std::optional<Failure> Simulation::look_at_step() {
-  if (!step_watch) return std::nullopt;
+/// The watch over the step reads contacts now.
+bool Simulation::step_is_watched() {
+  if (!step_watch) return false;
   step_watch->note(steps_, work.report.deepest);
-  if (!step_watch->is_due(steps_)) return std::nullopt;
+  if (!step_watch->is_due(steps_)) return false;
+  return !away_.stepped || !step_watch->passes(steps_, remote->stiffness(time_step / step_watch->parts()));
+}
+
+std::optional<Failure> Simulation::look_at_step() {
   std::optional<Failure> failure;
   const auto look = [&](const StepView& now) { failure = step_watch->look(now); };
   if (!away_.stepped) {
@@ -122,7 +130,9 @@ std::optional<Failure> Simulation::look_at_step() {
 bool Simulation::nobody_looks() const {
   if (parts_of_step || pipeline.guard || loads || sorts_now()) return false;
   if (step_watch && (step_watch->parts() > 1 || step_watch->is_due(steps_))) return false;
-  return std::none_of(observers.begin(), observers.end(), [this](const auto& o) { return o->wants_bodies(steps_); });
+  return std::none_of(observers.begin(), observers.end(), [this](const auto& o) {
+    return o->wants_bodies(steps_) || o->wants_energy(steps_) || o->wants_contacts(steps_, false) != ContactView::none;
+  });
 }
 
 /// The domain as this step sees it: none between two looks for bodies to be taken out, whoever looks meanwhile. Those
@@ -146,7 +156,6 @@ void Simulation::prepare(double dt, bool sort) {
   if (sort) sort_bodies();
 }
 
-/// Of bodies that servos move on all others, with the forces of the last step [W].
 double Simulation::held_power() const {
   if (!world.columns().held_force) return 0.0;
   return block_sum<double>(world.size(), [&](std::size_t s) {
@@ -310,7 +319,9 @@ std::optional<Failure> Simulation::look_at_energy() {
   return Failure{"non-finite state", steps_, world.id[fastest], text};
 }
 
-void Simulation::observe(bool last) {
+BodyTotals Simulation::totals() { return away_.home ? body_totals(world) : remote->totals(false).bodies; }
+
+void Simulation::observe(bool last, bool watched) {
   bool energy = false, any = false, bodies = false;
   ContactView contacts = ContactView::none;
   for (const auto& o : observers) {
@@ -321,11 +332,24 @@ void Simulation::observe(bool last) {
     contacts = std::max(contacts, o->wants_contacts(steps_, last));
   }
   if (!any) return;
-  // before the state comes home: what models keep by themselves is in one set with all others then
-  if (away_.stepped && contacts != ContactView::none) remote->fetch_contacts(*this, contacts != ContactView::all);
-  if (energy || bodies) come_home();
-  if (energy) ledger.measure(world);
-  show_contacts(contacts, last, [&](const StepView& now) {
+  const bool sums = contacts >= ContactView::overlaps;
+  overlaps_.reset();
+  if (!away_.stepped) {
+    if (energy) totals_ = body_totals(world);
+  } else {
+    if (energy || sums) {
+      const RemoteTotals all = remote->totals(sums);
+      totals_ = all.bodies;
+      if (sums) overlaps_ = all.overlaps;
+    }
+    // before the state comes home: what models keep by themselves is in one set with all others then
+    if (watched || contacts >= ContactView::pieces) remote->fetch_contacts(*this, contacts != ContactView::all);
+    if (bodies || contacts >= ContactView::pieces) come_home();
+  }
+  if (energy) ledger.measure(totals_);
+  show_contacts(contacts, last, [&](StepView now) {
+    if (energy) now.bodies = &totals_;
+    if (overlaps_) now.overlaps = &*overlaps_;
     for (const auto& o : observers)
       if (last || o->is_due(steps_)) o->observe(now);
   });
@@ -334,7 +358,7 @@ void Simulation::observe(bool last) {
 void Simulation::show_contacts(ContactView needed, bool last, const std::function<void(const StepView&)>& show) {
   const ContactModel* model = pipeline.contact_model.get();
   if (away_.stepped) {
-    if (needed != ContactView::none) {
+    if (needed >= ContactView::pieces) {
       remote->fetch_contacts(*this, needed != ContactView::all);
       come_home();
     }

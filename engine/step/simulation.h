@@ -72,12 +72,18 @@ class Simulation {
   /// run_on: only observers read the bodies before the next call, which has the same time step: the contact model may
   /// do its first half at once (saves 10 of 57 ns of a sphere in a bed).
   std::optional<Failure> advance(bool last = false, bool run_on = false);
+  /// Of bodies that servos move on all others, with the forces of the last step [W].
+  double held_power() const;
   /// The last energy of the ledger is not finite (velocities may be).
   std::optional<Failure> look_at_energy();
   /// The last call has begun the next step: bodies must not be read.
   bool is_ahead() const { return pipeline.contact_model->is_ahead(); }
   /// With several processes: fetches the present state. To be called before bodies are read.
   void come_home();
+  /// Sums over the bodies of the present state, wherever it is.
+  BodyTotals totals();
+  /// Energies of the present state go into the ledger.
+  void measure() { ledger.measure(totals()); }
   /// Shows one observer the present state, due or not.
   void show(Observer& observer);
   /// All state that a restart needs for the same bits.
@@ -91,14 +97,14 @@ class Simulation {
   std::optional<Failure> make_step(double dt, bool sort, bool run_on, StageTimer& timer);
   std::optional<Failure> make_remote_step(double dt, bool sort, StageTimer& timer);
   void prepare(double dt, bool sort);
-  double held_power() const;
   bool nobody_looks() const;
   bool sorts_now() const { return steps_ + before_ > 0 && (steps_ + before_) % sort_interval == 0; }
   const std::optional<Domain>& watched() const;
   std::optional<Failure> look_at_strays();
   void drop_contacts();
   std::optional<Failure> watch();
-  void observe(bool last);
+  bool step_is_watched();
+  void observe(bool last, bool watched);
   std::optional<Failure> look_at_step();
   void show_contacts(ContactView needed, bool last, const std::function<void(const StepView&)>& show);
   void reorder(const Reordering& change);
@@ -106,9 +112,11 @@ class Simulation {
   std::uint64_t steps_ = 0;
   std::uint64_t before_ = 0;  ///< steps of a run that this one began from
   std::uint64_t removed_ = 0;
-  std::size_t movable_ = 0;       ///< free bodies
-  std::uint64_t parts_made_ = 0;  ///< of all time steps
-  std::vector<BodyId> leaving_;   ///< to be taken out before the next step; observers see them until then
+  std::size_t movable_ = 0;                ///< free bodies
+  std::uint64_t parts_made_ = 0;           ///< of all time steps
+  BodyTotals totals_;                      ///< as last measured, for observers
+  std::optional<OverlapTotals> overlaps_;  ///< of contacts that are with other processes
+  std::vector<BodyId> leaving_;            ///< to be taken out before the next step; observers see them until then
   /// Where steps are remote.
   struct Away {
     bool home = true;      ///< the present state is here

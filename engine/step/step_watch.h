@@ -16,7 +16,10 @@ class StepWatch {
   virtual bool is_due(std::uint64_t step) const = 0;
   /// After every step, cheap: `deepest` is its largest overlap [m].
   virtual void note(std::uint64_t step, double deepest) = 0;
-  /// After a step in which it is due: into how many equal parts the next ones are divided, or why the run stops.
+  /// After a step in which it is due. True: by this bound on what it looks for (stiffness_bound) the look is done.
+  virtual bool passes(std::uint64_t /*step*/, double /*bound*/) { return false; }
+  /// After a step in which it is due and has not passed: into how many equal parts the next ones are divided, or why
+  /// the run stops.
   virtual std::optional<Failure> look(const StepView& view) = 0;
   virtual int parts() const = 0;
   virtual void visit(StateVisitor& visitor) = 0;

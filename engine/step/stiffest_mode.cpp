@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engine/threads/order_free_sum.h"
 #include "engine/units/random.h"
@@ -15,6 +16,8 @@ struct Twist {
   Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
   double dot(const Twist& o) const { return linear.dot(o.linear) + angular.dot(o.angular); }
 };
+
+using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 /// sqrt(1/m) and sqrt(1/I) of a body in world axes.
 struct Mobility {
@@ -88,6 +91,20 @@ class LinkedBodies {
       trace += l.across * slip.squaredNorm() + (l.along - l.across) * straight * straight;
     }
     return trace;
+  }
+  /// What a link puts on one of its bodies while the other stays.
+  void add_own(std::size_t k, bool second, Mat6& sum) const {
+    const StiffLink& l = links_[k];
+    const Mobility& m = mobility_[end(k, second)];
+    const Vec3& arm = second ? l.arm_b : l.arm_a;
+    Eigen::Matrix<double, 3, 6> slip;
+    slip.leftCols<3>() = m.linear * Mat3::Identity();
+    for (int axis = 0; axis < 3; ++axis) slip.col(3 + axis) = Vec3(m.angular.col(axis)).cross(arm);
+    const Eigen::Matrix<double, 1, 6> straight = l.normal.transpose() * slip;
+    sum += l.across * (slip.transpose() * slip) + (l.along - l.across) * (straight.transpose() * straight);
+    if (l.turn == 0.0) return;
+    const Vec3 round = m.angular.transpose() * l.normal;
+    sum.bottomRightCorner<3, 3>() += l.turn * (m.angular.transpose() * m.angular - round * round.transpose());
   }
   std::uint32_t end(std::size_t k, bool second) const { return second ? ends_[k].second : ends_[k].first; }
 
@@ -222,6 +239,31 @@ StiffestMode stiffest_mode(const World& world, const std::vector<StiffLink>& lin
   out.link = link[most];
   out.links = count[most];
   return out;
+}
+
+namespace {
+/// At least the largest eigenvalue of a matrix that has none below 0, at most 6^(1/8) times it: the eighth root of the
+/// sum of their eighth powers.
+double most_of(const Mat6& m) {
+  const double trace = m.trace();
+  if (!(trace > 0.0) || !std::isfinite(trace)) return trace == 0.0 ? 0.0 : std::numeric_limits<double>::infinity();
+  const Mat6 part = m / trace, square = part * part;
+  return trace * std::sqrt(std::sqrt((square * square).norm()));
+}
+}  // namespace
+
+double stiffness_bound(const World& world, const std::vector<StiffLink>& links) {
+  const LinkedBodies bodies(world, links, {});
+  std::vector<Mat6> held(bodies.size(), Mat6::Zero());
+  for (std::size_t k = 0; k < links.size(); ++k)
+    for (const bool second : {false, true})
+      if (const std::uint32_t body = bodies.end(k, second); body != LinkedBodies::none)
+        bodies.add_own(k, second, held[body]);
+  double largest = 0.0;
+  for (std::size_t i = 0; i < held.size(); ++i)
+    if (world.owner.empty() || world.owner[bodies.slot(i)] == World::here)
+      largest = std::max(largest, most_of(held[i]));
+  return 2.0 * (1.0 + 1e-9) * largest;
 }
 
 }  // namespace epafi

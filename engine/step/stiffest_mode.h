@@ -42,4 +42,9 @@ struct PressedBody {
 StiffestMode stiffest_mode(const World& world, const std::vector<StiffLink>& links, double enough = 0.0,
                            const std::vector<PressedBody>& pressed = {});
 
+/// The value of `stiffest_mode` without pressed bodies is at most this: twice the largest one of a single body whose
+/// neighbours rest, since (a + b)^2 <= 2 a^2 + 2 b^2 for what a contact sees of its bodies, and up to a quarter more.
+/// In a part of several processes: of its own bodies.
+double stiffness_bound(const World& world, const std::vector<StiffLink>& links);
+
 }  // namespace epafi

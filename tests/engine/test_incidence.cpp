@@ -1,5 +1,6 @@
 #include "engine/state/incidence.h"
 
+#include "engine/state/held_loads.h"
 #include "engine/threads/parallel.h"
 #include "engine/threads/parallel_order.h"
 #include "engine/units/random.h"
@@ -128,5 +129,36 @@ TEST_CASE("of few bodies with contacts each is met once, and their sums are the 
         REQUIRE((named[s] != 0 ? as_all : left));
       }
     }
+  }
+}
+
+TEST_CASE("loads of held bodies summed in random parts have the bits of gathered forces", "[engine][incidence]") {
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    INFO(seed);
+    Case c = random_case(seed, 200);
+    World world(Columns{.rotation = true, .held_force = true});
+    std::vector<Slot> held;
+    for (Slot s = 0; s < 200; ++s) {
+      Body b;
+      b.position = c.world.position[s];
+      b.mass = c.world.is_movable(s) ? 1.0 : 0.0;
+      b.inertia = Vec3(1, 1, 1);
+      world.add(b);
+      if (!world.is_movable(s)) held.push_back(s);
+    }
+    Incidence incidence;
+    incidence.build(c.contacts, 200);
+    gather_forces(c.contacts, incidence, world);
+    std::vector<HeldLoad> sum(held.size());
+    for (Slot part = 0; part < 3; ++part) {
+      const auto counts = [&](Slot a, Slot b) { return (a * 7 + b * (seed + 1)) % 3 == part; };
+      const std::vector<HeldLoad> more = held_loads(world, c.contacts, held, counts);
+      for (std::size_t h = 0; h < held.size(); ++h) sum[h] += more[h];
+    }
+    for (std::size_t h = 0; h < held.size(); ++h)
+      for (int k = 0; k < 3; ++k) {
+        CHECK(sum[h].sums[static_cast<std::size_t>(k)].value() == world.force[held[h]][k]);
+        CHECK(sum[h].sums[static_cast<std::size_t>(3 + k)].value() == world.torque[held[h]][k]);
+      }
   }
 }

@@ -1,5 +1,7 @@
 // Every scene of the library by all ranks: the golden hash of one process, or refused with its line.
+#include <chrono>
 #include <cstdio>
+#include <numeric>
 
 #include "engine/threads/parallel.h"
 #include "ranks/communicator.h"
@@ -74,4 +76,30 @@ TEST_CASE("every library scene has its golden hash on all ranks, or is refused w
     std::fflush(stdout);
   }
   if (rank_number() == 0) std::printf("%zu golden, %zu refused\n", equal, refused);
+}
+
+TEST_CASE("the stages of a process that follows, and its waiting, are all of its time") {
+  MpiTeam team;
+  SceneRun run = prepare_scene(library("bed/bed.toml"), {"params.n=300"});
+  if (team.number() != 0) {
+    CHECK(team.follow(run.simulation(), part_setup(*run.assembly)).code == 0);
+    return;
+  }
+  SceneRun part = prepare_scene(library("bed/bed.toml"), {"params.n=300"});
+  const auto begin = std::chrono::steady_clock::now();
+  share_out(*run.assembly, std::move(part.assembly), team);
+  run.simulation().start();
+  run.advance_to(200);
+  const auto figures = team.figures();
+  const double all = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  team.end(0);
+  REQUIRE(figures);
+  REQUIRE(figures->seconds.size() == static_cast<std::size_t>(rank_count()));
+  for (std::size_t rank = 1; rank < figures->seconds.size(); ++rank) {
+    const RankSeconds& seconds = figures->seconds[rank];
+    const double sum = std::accumulate(seconds.begin(), seconds.end(), 0.0);
+    CHECK(sum > 0.8 * all);
+    CHECK(sum < 1.01 * all);
+    CHECK(seconds[static_cast<std::size_t>(RankStage::contact)] > 0.0);
+  }
 }

@@ -99,6 +99,7 @@ TEST_CASE("random heaps under impulses by all ranks have the bits of one process
                           [part](std::uint32_t s) { return part->shapes->bounding_radius(ShapeRef{s}); },
                           {},
                           1,
+                          {},
                           help_with_sweeps};
     MpiTeam team;
     if (rank_number() != 0) {

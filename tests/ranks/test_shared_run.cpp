@@ -1,4 +1,5 @@
 // Spheres in a shaken box, by all ranks and by rank 0 alone: the same bits of bodies, contacts and springs.
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -141,6 +142,34 @@ class Look final : public Observer {
   Outcome& to_;
 };
 
+/// Energies, momentum and overlaps of a step, each a sum over all bodies or contacts.
+using Sums = std::vector<std::array<double, 9>>;
+
+/// Looks at what is summed while the bodies are with all ranks.
+class SumLook final : public Observer {
+ public:
+  SumLook(Sums& to, const ShapeStore& shapes) : to_(to), shapes_(shapes) {}
+  bool is_due(std::uint64_t step) const override { return step % 7 == 0; }
+  bool wants_energy(std::uint64_t step) const override { return is_due(step); }
+  bool wants_bodies(std::uint64_t) const override { return false; }
+  ContactView wants_contacts(std::uint64_t step, bool) const override {
+    return is_due(step) ? ContactView::overlaps : ContactView::none;
+  }
+  void observe(const StepView& v) override {
+    const BodyTotals b = v.totals();
+    const auto radius = [&](std::uint32_t shape) { return shapes_.bounding_radius(ShapeRef{shape}); };
+    const OverlapTotals o =
+        v.overlaps ? *v.overlaps : overlap_totals(v.world, v.pieces(), radius, [](Slot, Slot) { return true; });
+    const Energy& e = v.ledger.last();
+    to_.push_back({e.kinetic, e.potential, b.mass.value(), b.momentum[2].value(), b.momenta.value(), b.farthest, o.max,
+                   o.max_relative, o.sum.value()});
+  }
+
+ private:
+  Sums& to_;
+  const ShapeStore& shapes_;
+};
+
 /// Bodies of contacts that overlap, and where these are seen from the second one.
 using Seen = std::vector<std::tuple<std::uint64_t, std::uint32_t, std::uint32_t, double, double, double>>;
 
@@ -209,6 +238,14 @@ class Sharing final : public RemoteSteps {
     order(in_pieces ? 5 : 2);
     part_.give_contacts(&whole, in_pieces);
   }
+  RemoteTotals totals(bool overlaps) override {
+    order(overlaps ? 7 : 6);
+    return part_.totals(overlaps);
+  }
+  double stiffness(double) override {
+    order(8);
+    return part_.stiffness(dt);
+  }
   bool step(double, const std::optional<Domain>& domain, StepReport& report) override {
     order(3);
     return part_.step(dt, domain, report);
@@ -223,6 +260,8 @@ class Sharing final : public RemoteSteps {
       if (what == 1) part.give(nullptr);
       if (what == 2 || what == 5) part.give_contacts(nullptr, what == 5);
       if (what == 3) part.step(dt, std::nullopt, report);
+      if (what == 6 || what == 7) part.totals(what == 7);
+      if (what == 8) part.stiffness(dt);
     }
   }
 
@@ -238,6 +277,7 @@ void compare(bool fused, bool shaken, int steps) {
                         [&](std::uint32_t s) { return mine.shapes->bounding_radius(ShapeRef{s}); },
                         [](std::uint32_t) { return false; },
                         1,
+                        {},
                         {}};
   Part part(*mine.simulation, setup);
   if (rank_number() != 0) return Sharing::follow(part);
@@ -245,6 +285,9 @@ void compare(bool fused, bool shaken, int steps) {
   Seen want_seen, have_seen;
   alone.simulation->step_watch = std::make_unique<Watch>(want_seen);
   shared.simulation->step_watch = std::make_unique<Watch>(have_seen);
+  Sums want_sums, have_sums;
+  alone.simulation->observers.push_back(std::make_unique<SumLook>(want_sums, *alone.shapes));
+  shared.simulation->observers.push_back(std::make_unique<SumLook>(have_sums, *shared.shapes));
   const Outcome want = run(*alone.simulation, steps);
   int fetched = 0;
   shared.simulation->remote = std::make_unique<Sharing>(part, fetched);
@@ -258,7 +301,9 @@ void compare(bool fused, bool shaken, int steps) {
   CHECK(have.dissipated == Approx(want.dissipated).epsilon(1e-10));
   CHECK(have_seen == want_seen);
   CHECK(want_seen.size() > 100);
-  CHECK(fetched <= 2 + steps / 100);  // two sorts, a removal, the end: not the eleven looks
+  CHECK(have_sums == want_sums);
+  CHECK(want_sums.size() > 20);
+  CHECK(fetched <= 2 + steps / 100);  // two sorts, a removal, the end: not the looks at contacts and sums
   CHECK(want.touching > 20);
   CHECK(want.dissipated > 0.0);
   CHECK((rank_count() == 1 || part.figures().moved > 0.0));

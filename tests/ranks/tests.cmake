@@ -32,6 +32,7 @@ epafi_same_bits(hopper "3x1" 300 scenes/library/hopper/hopper.toml params.n=200 
 epafi_same_bits(mixed "2x1 3x1" 150 tests/ranks/mixed.toml)
 epafi_same_bits(kinds "3x1" 105 tests/ranks/kinds.toml)
 epafi_same_bits(acts "1x2 3x1" 1000 tests/ranks/acts.toml)
+epafi_same_bits(presses "2x1 3x1 4x1" 1000 tests/ranks/presses.toml)
 # non-smooth contact: contacts are found by all ranks, impulses by the first
 set(library scenes/library)
 epafi_same_bits(stack "3x1" 150 ${library}/stacking/stack.toml)
@@ -46,3 +47,6 @@ add_test(NAME "ranks: faults" COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/ranks/faults.s
   ${PROJECT_BINARY_DIR}/ranks/faults ${PROJECT_SOURCE_DIR}/scenes/library/bed/bed.toml
   ${PROJECT_SOURCE_DIR}/tests/ranks/impulses.toml)
 set_tests_properties("ranks: faults" PROPERTIES LABELS "fast;ranks" TIMEOUT 300 PROCESSORS 2)
+add_test(NAME "ranks: slurm job" COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/ranks/slurm_job.sh $<TARGET_FILE:epafi> $<TARGET_FILE:epafi-mpi>
+  ${PROJECT_BINARY_DIR}/ranks/slurm_job ${PROJECT_SOURCE_DIR}/docs/ranks.sbatch ${PROJECT_SOURCE_DIR}/scenes/library/bed/bed.toml)
+set_tests_properties("ranks: slurm job" PROPERTIES LABELS "fast;ranks" TIMEOUT 120 PROCESSORS 2)

@@ -40,6 +40,7 @@ class EnergyMeasure final : public Measure {
             "relative_error", "viscous",   "frictional", "plastic",    "adhesive"};
   }
   bool wants_energy() const override { return true; }
+  bool wants_bodies() const override { return false; }
   void sample(const StepView& view, std::vector<double>& values) override {
     const Energy& e = view.ledger.last();
     values = {e.kinetic, e.potential, e.elastic, e.dissipated, e.work, view.ledger.relative_error()};

@@ -34,6 +34,8 @@ class Measure {
   virtual void bodies_come(const World&, std::size_t /*first*/) {}
   virtual void bodies_leave(const World&, std::span<const BodyId>) {}
   virtual bool wants_energy() const { return false; }
+  /// `sample` reads single bodies.
+  virtual bool wants_bodies() const { return true; }
   /// Which single contacts `sample` reads: without it the set may lack those of the loop over spheres, or their other
   /// columns.
   virtual ContactView wants_contacts() const { return ContactView::none; }

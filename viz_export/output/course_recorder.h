@@ -23,6 +23,7 @@ class CourseRecorder final : public Observer {
   CourseRecorder(MeasuresCsv& csv, Setup setup) : csv_(csv), setup_(std::move(setup)) {}
   bool is_due(std::uint64_t step) const override { return step % setup_.interval == 0; }
   bool wants_energy(std::uint64_t step) const override { return is_due(step); }
+  bool wants_bodies(std::uint64_t) const override { return false; }
   ContactView wants_contacts(std::uint64_t, bool) const override { return ContactView::none; }
   void observe(const StepView& view) override;
 

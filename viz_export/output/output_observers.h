@@ -66,6 +66,7 @@ class MeasureRecorder final : public Observer {
                   const std::string& kind = {}, std::uint64_t written = 1);
   bool is_due(std::uint64_t step) const override { return due_.is_due(step); }
   bool wants_energy(std::uint64_t step) const override { return measure_->wants_energy() && is_due(step); }
+  bool wants_bodies(std::uint64_t step) const override { return measure_->wants_bodies() && is_due(step); }
   ContactView wants_contacts(std::uint64_t step, bool last) const override {
     return last || is_due(step) ? measure_->wants_contacts() : ContactView::none;
   }

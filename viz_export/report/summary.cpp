@@ -70,6 +70,13 @@ void put_ranks(JsonWriter& json, const RankFigures& ranks, const std::string& sh
   json.key("ranks").begin_object().member("count", ranks.ranks).member("share", share);
   json.member("imbalance", ranks.imbalance);
   json.member("ghosts", ranks.ghosts).member("bytes_per_step", ranks.bytes_per_step).member("moves", ranks.moves);
+  json.key("seconds").begin_array();
+  for (const RankSeconds& seconds : ranks.seconds) {
+    json.begin_object();
+    for (std::size_t k = 0; k < seconds.size(); ++k) json.member(rank_stage_names[k], seconds[k]);
+    json.end_object();
+  }
+  json.end_array();
   json.end_object();
 }
 
