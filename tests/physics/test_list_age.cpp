@@ -12,7 +12,7 @@ using namespace epafi::experiments;
 
 namespace {
 
-const std::string head = R"(title = "age of lists"
+const std::string list_age_head = R"(title = "age of lists"
 run = { duration = 1.0, time_step = 5e-5, output_interval = 0.5 }
 material.m = { density = 2500.0, youngs_modulus = "5 MPa", poissons_ratio = 0.3 }
 contact = { method = "smooth", restitution = 0.6, friction = 0.5, smooth = { law = "hertz-mindlin" } }
@@ -33,7 +33,7 @@ std::string wall(const std::string& name, const std::string& normal, const std::
 
 /// Twelve planes that turn about an axis across gravity, closed by two that stand.
 std::string drum() {
-  std::string text = head + "world.gravity = [-9.81, 0, 0]\n";
+  std::string text = list_age_head + "world.gravity = [-9.81, 0, 0]\n";
   for (int k = 0; k < 12; ++k) {
     const double c = std::cos(0.5235987755982988 * k), s = std::sin(0.5235987755982988 * k);
     const auto at = [&](double r) { return "[" + std::to_string(r * c) + ", " + std::to_string(r * s) + ", 0]"; };
@@ -47,7 +47,7 @@ std::string drum() {
 }
 
 std::string cell() {
-  return head +
+  return list_age_head +
          "world.domain = { min = [0, 0, 0], max = [0.034, 0.034, 0.034], periodic = [\"x\", \"y\", \"z\"], "
          "strain_rate = [-4.0, -4.0, 2.0] }\n" +
          fill + "count = 200\nvelocity_deviation = 0.5\n" +
@@ -56,7 +56,7 @@ std::string cell() {
 
 /// A stream onto a floor beside a hole, below which bodies are taken out.
 std::string stream() {
-  return head + "world.gravity = [0, 0, -9.81]\n" + wall("x", "[1, 0, 0]", "fixed = true") +
+  return list_age_head + "world.gravity = [0, 0, -9.81]\n" + wall("x", "[1, 0, 0]", "fixed = true") +
          wall("y", "[0, 1, 0]", "fixed = true") +
          wall("slope", "[-0.3, -0.3, 0.9]", "position = [0.01, 0.01, 0]\nfixed = true") + fill +
          "count = 600\nmethod = \"pour\"\nrate = 8000\nvelocity = [0, 0, -1]\n" +
@@ -71,7 +71,7 @@ std::string mixture() {
            "\"\ncount = 90\nmethod = \"pour\"\nrate = 5000\nfrom = " + std::to_string(from) +
            "\nvelocity = [0, 0, -2]\nregion = { box = { min = [0.003, 0.003, 0.03], max = [0.04, 0.04, 0.05] } }\n";
   };
-  return head + "material.n = { density = 4000.0, youngs_modulus = \"2 MPa\", poissons_ratio = 0.2 }\n" +
+  return list_age_head + "material.n = { density = 4000.0, youngs_modulus = \"2 MPa\", poissons_ratio = 0.2 }\n" +
          "shape.pair = { clump = { spheres = [[-0.001, 0, 0, 0.002], [0.001, 0, 0, 0.002]] } }\n" +
          "world.gravity = [0, 0, -9.81]\n" + wall("z", "[0, 0, 1]", "fixed = true") +
          wall("x", "[1, 0, 0]", "fixed = true") + wall("y", "[0, 1, 0]", "fixed = true") +

@@ -10,7 +10,7 @@ using namespace epafi::experiments;
 
 namespace {
 
-const std::string head = R"(title = "stages"
+const std::string stages_head = R"(title = "stages"
 run = { duration = 1.0, time_step = 5e-5, output_interval = 0.5 }
 material.m = { density = 2500.0, youngs_modulus = "5 MPa", poissons_ratio = 0.3 }
 contact = { method = "smooth", restitution = 0.6, friction = 0.5, smooth = { law = "hertz-mindlin" } }
@@ -23,7 +23,7 @@ std::string fill(int count, const std::string& more) {
 
 /// Poured in and taken out all the time.
 std::string stream(Random& random) {
-  return head + "world.gravity = [0, 0, -9.81]\n" +
+  return stages_head + "world.gravity = [0, 0, -9.81]\n" +
          fill(900, "method = \"pour\"\nrate = " + std::to_string(random.uniform(1e4, 4e4)) +
                        "\nvelocity = [0, 0, -2]\n"
                        "region = { box = { min = [0, 0, 0.03], max = [0.06, 0.06, 0.06] } }\n") +
@@ -32,7 +32,7 @@ std::string stream(Random& random) {
 
 std::string cell(Random& random) {
   const std::string rate = std::to_string(random.uniform(-5.0, -1.0));
-  return head +
+  return stages_head +
          "world.domain = { min = [0, 0, 0], max = [0.034, 0.034, 0.034], periodic = [\"x\", \"y\", \"z\"], "
          "strain_rate = [" +
          rate + ", " + rate + ", 2.0] }\n" +
@@ -41,7 +41,7 @@ std::string cell(Random& random) {
 
 /// Many driven bodies and few free ones.
 std::string driven(Random& random) {
-  std::string text = head + "world.gravity = [0, 0, -9.81]\n";
+  std::string text = stages_head + "world.gravity = [0, 0, -9.81]\n";
   for (int k = 0; k < 40; ++k)
     text += "[[body]]\nname = \"b" + std::to_string(k) + "\"\nmaterial = \"m\"\nshape = \"ball\"\nposition = [" +
             std::to_string(0.01 * k) +

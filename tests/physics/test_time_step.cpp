@@ -10,7 +10,7 @@ using namespace epafi::experiments;
 
 namespace {
 
-const std::string head = R"(title = "s"
+const std::string small_steps_head = R"(title = "s"
 material.m = { density = 2600.0, youngs_modulus = "50 MPa", poissons_ratio = 0.25 }
 [[body]]
 name = "floor"
@@ -31,7 +31,7 @@ std::string servo(double force) {
 /// Three balls on each other between the floor and a plate that moves down.
 std::string pressed_balls(const std::string& motion, double radius) {
   const std::string r = std::to_string(radius);
-  return head + R"(
+  return small_steps_head + R"(
 [[body]]
 name = "ball"
 repeat = 3
@@ -92,7 +92,7 @@ TEST_CASE("a box on four damped points slides as friction has it", "[physics][ti
                   "run = { duration = 0.1, time_step = \"auto\", output_interval = 0.01 }\n"
                   "world = { gravity = [%.9g, 0, %.9g] }\n",
                   9.81 * std::sin(slope), -9.81 * std::cos(slope));
-    auto run = start_text(settings + contact("hertz", e, mu) + head + R"(
+    auto run = start_text(settings + contact("hertz", e, mu) + small_steps_head + R"(
 [[body]]
 name = "box"
 shape = { box = { size = [0.07, 0.05, 0.011] } }
