@@ -40,6 +40,7 @@ struct ResponseOf {
   Real energy{};         ///< U(delta) [J]
   Real adhesion{};       ///< the force that parts the bodies [N], >= 0: friction slides at mu (N + adhesion)
   Real lost{};           ///< to plastic deformation or adhesion since the last step [J]
+  Real dashpot{};        ///< c of the viscous part of N [N s/m]
 };
 using NormalResponse = ResponseOf<double>;
 

@@ -53,6 +53,13 @@ bool turns(const BodySpec& b) {
   return b.motion && std::ranges::any_of(b.motion->parts, [](const Motion& m) { return m.rotation_rate != 0; });
 }
 
+/// A spring whose ends turn with their bodies, spheres too; null: none does.
+const SpringSpec* spring_beside_centre(const Scene& scene) {
+  for (const SpringSpec& s : scene.springs)
+    if (s.to || !s.attachment.isZero()) return &s;
+  return nullptr;
+}
+
 /// Everything that makes spins and orientations necessary, most telling reason first.
 void plan_rotation(const Scene& scene, const std::vector<BuiltShape>& shapes, const ShapesInUse& use, StepPlan& plan) {
   const auto pay = [&](const std::string& why, const Place& where) {
@@ -93,6 +100,12 @@ void plan_rotation(const Scene& scene, const std::vector<BuiltShape>& shapes, co
     if (turned != nullptr) pay(name() + turned, where);
     if (turned != nullptr || driven || b.angular_velocity.squaredNorm() > 0)
       stand(name() + (turned != nullptr ? turned : " turns"), where);
+  }
+  if (const SpringSpec* spring = spring_beside_centre(scene)) {
+    const std::string why = "spring '" + spring->name + "' turns its bodies";
+    pay(why, spring->place);
+    stand(why, spring->place);
+    plan.columns.free_turn = true;
   }
   if (!plan.columns.rotation || !scene.output.orientation.value) return;
   stand("[output] asks for it", scene.output.orientation.place);

@@ -27,7 +27,7 @@ class LinkSource {
   explicit LinkSource(const Assembly& a) : contacts_(smooth_setup(a.scene)), springs_(springs_of(a)) {
     for (std::size_t k = 0; k < a.scene.bodies.size(); ++k)
       if (const auto& pressing = a.scene.bodies[k].servo; pressing && !pressing->servo.has_gains())
-        driven_.push_back({a.id_of(k), pressing->servo.direction, pressing->servo.mass});
+        walls_.push_back({a.id_of(k), &pressing->servo});
   }
 
   void read(const World& world, const ContactPieces& pieces, double dt, std::vector<StiffLink>& links) const {
@@ -38,12 +38,20 @@ class LinkSource {
       });
     append_spring_links(springs_, world, dt, links);
   }
-  const std::vector<PressedBody>& driven() const { return driven_; }
+  std::vector<PressedBody> pressed(double dt) const {
+    std::vector<PressedBody> out;
+    for (const Wall& w : walls_) out.push_back({w.body, w.servo->direction, w.servo->mass_in_step(dt)});
+    return out;
+  }
 
  private:
+  struct Wall {
+    BodyId body;
+    const Servo* servo;
+  };
   ContactLinks contacts_;
   std::vector<SpringElement> springs_;
-  std::vector<PressedBody> driven_;
+  std::vector<Wall> walls_;
 };
 
 class StabilityWatch final : public StepWatch {
@@ -74,7 +82,7 @@ class StabilityWatch final : public StepWatch {
   };
   StiffestMode mode(const StepView& view, int parts, double enough) {
     source_.read(view.world, view.pieces(), view.dt / parts, links_);
-    return stiffest_mode(view.world, links_, enough, source_.driven());
+    return stiffest_mode(view.world, links_, enough, source_.pressed(view.dt / parts));
   }
   void divide(const StepView& view, double value);
   Failure failure(const StepView& view, const StiffestMode& mode) const;
@@ -172,7 +180,7 @@ double stable_step_now(const Assembly& a) {
   double dt = sim.time_step;
   for (int k = 0; k < 60; ++k) {  // strong dampers: the value hardly falls with the step
     source.read(sim.world, pieces, dt, links);
-    const double value = stiffest_mode(sim.world, links, 0.0, source.driven()).value;
+    const double value = stiffest_mode(sim.world, links, 0.0, source.pressed(dt)).value;
     if (!(value > 0.0)) return infinity;
     if (std::abs(value - 1.0) < 1e-3) break;
     dt /= std::sqrt(value);

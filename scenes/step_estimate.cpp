@@ -97,8 +97,9 @@ double column_step(const ContactLinks& links, const Column& c) {
     l.arm_b = top && !floor ? Vec3(Vec3::Zero()) : Vec3(0, 0, -c.radius);
     all.push_back(l);
   };
-  const std::vector<PressedBody> pressed(c.plate_mass > 0.0 ? 1 : 0, {pressing, Vec3::UnitZ(), c.plate_mass});
   return solve_step([&](double dt) {
+    std::vector<PressedBody> pressed;
+    if (c.plate) pressed.push_back({pressing, Vec3::UnitZ(), c.plate->mass_in_step(dt)});
     std::vector<StiffLink> all;
     const double n = static_cast<double>(c.balls);
     add(all, c.balls, c.press + n * c.weight, dt);

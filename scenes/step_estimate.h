@@ -10,9 +10,11 @@
 /// as its contacts are a ninth as deep as after that fall.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "engine/step/servo.h"
 #include "laws/smooth/contact_links.h"
 
 namespace epafi {
@@ -53,7 +55,7 @@ struct Column {
   double mass = 0.0, radius = 0.0;  ///< of a ball [kg], [m]
   double weight = 0.0;              ///< of a ball [N]
   double press = 0.0;               ///< of a plate on the uppermost [N]; 0: there is none
-  double plate_mass = 0.0;          ///< with which it gives way [kg]; 0: it does not
+  std::optional<Servo> plate{};     ///< that presses, where it gives way
   std::uint16_t ball_material = 0, floor_material = 0;
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <tuple>
 
 #include "engine/threads/parallel.h"
@@ -43,7 +44,7 @@ struct Survey {
   double fastest = 0.0;                    ///< at the start [m/s]
   double load = 0.0;                       ///< weights, external forces and servo walls, all together [N]
   double pressed = 0.0;                    ///< by the strongest servo wall, part of the load [N]
-  double plate_mass = 0.0;                 ///< of the lightest servo wall without gains [kg]; 0: there is none
+  std::optional<Servo> plate{};            ///< the lightest servo wall without gains
   std::map<std::uint16_t, double> plates;  ///< by material: mass of the lightest servo wall without gains [kg]
   double pressure = 0.0;                   ///< of a cell [Pa]
   Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);  ///< of the free bodies [m]
@@ -136,7 +137,7 @@ Survey survey(const Assembly& a) {
       const double mass = b.servo->servo.mass;
       const auto known = out.plates.try_emplace(static_cast<std::uint16_t>(b.material), mass).first;
       known->second = std::min(known->second, mass);
-      out.plate_mass = out.plate_mass > 0.0 ? std::min(out.plate_mass, mass) : mass;
+      if (!out.plate || mass < out.plate->mass) out.plate = b.servo->servo;
     }
   out.load += out.pressed;
   if (a.scene.cell) out.pressure = a.scene.cell->control.pressure.value_or(0.0);
@@ -235,7 +236,7 @@ class ContactEstimate {
              p.radius,
              0.0,
              survey_.pressed,
-             survey_.plate_mass,
+             survey_.plate,
              ball,
              floor};
     c.weight = (survey_.load - survey_.pressed) / static_cast<double>(c.balls);

@@ -8,9 +8,10 @@ namespace epafi {
 
 namespace {
 constexpr double telling_share = 1e-2;  // of the energy exchanged: told
-// of the energy exchanged: ends the run where the scene sets no bound of its own
+// of the reference energy: ends the run where the scene sets no bound of its own
 constexpr double ending_share = 0.5;
-constexpr double band_share = 1e-3;  // swings of single contacts: automatic steps err by less of all energy
+constexpr double booked_share = 0.05;  // of the energy exchanged: less is an error of bookkeeping, however long it ran
+constexpr double band_share = 1e-3;    // swings of single contacts: automatic steps err by less of all energy
 // steps: the first touch of a scene at rest errs by all of an energy that is nothing yet
 constexpr double passing = 40;
 constexpr double noise_per_residual = 1e3;  // velocities of a stack of 30 err by 30 times what its residual says
@@ -97,8 +98,9 @@ void WatchedBalance::judge(const StepView& view, double known) {
     const double least = std::numeric_limits<double>::min(), all = std::max(known + noise, least);
     exchanged = all + state_.put_in.fallen();
     f.net = net * known / all;
-    // losses that were booked well count: after a long time those that were not are as large as all that is stored
-    f.wide = std::max(std::abs(unexplained) * known, f.put_in) / exchanged;
+    // after a long time bookkeeping that is off by a percent is as much as all that is stored
+    const double open = std::abs(unexplained) * known, of_all = open / exchanged;
+    f.wide = std::max(of_all > booked_share ? open / all : of_all, f.put_in / exchanged);
     f.share = std::max({std::abs(f.net), f.gained / exchanged, f.lost / exchanged});
     if (!std::isfinite(net)) f.share = f.wide = std::abs(net);
   };

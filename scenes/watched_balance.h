@@ -28,8 +28,9 @@ class WatchedBalance {
   struct Finding {
     double share = 0.0;   ///< the largest of all below, of the energy exchanged
     double net = 0.0;     ///< of the ledger's balance now, > 0: gained
-    double wide = 0.0;    ///< what ends a run where it is too large: the same without position correction, or what
-                          ///< contacts put in, of the energy exchanged
+    double wide = 0.0;    ///< what ends a run where it is too large: the same without position correction, of the
+                          ///< reference (as the summary's error) where it is more than 0.05 of the energy exchanged; or
+                          ///< what contacts put in, of the energy exchanged
     double gained = 0.0;  ///< all that bodies gained [J]
     double lost = 0.0;    ///< all that was lost track of [J]
     double put_in = 0.0;  ///< by contacts, part of `gained` [J]

@@ -12,11 +12,14 @@ namespace epafi {
 struct Servo {
   Vec3 direction = Vec3::UnitZ();  ///< it presses along this, unit
   double force = 0.0;              ///< F [N], > 0
-  double mass = 0.0;               ///< m [kg], > 0; stable while dt < 2 sqrt(m/K), K the stiffness it presses on
+  double mass = 0.0;               ///< m [kg], > 0
   double max_speed = 0.0;          ///< v_max [m/s], > 0
   double proportional = 0.0;       ///< p [m/(N s)]; with integral > 0 or this > 0: a PI loop
   double integral = 0.0;           ///< i [m/(N s^2)]
   bool beside_motion = false;      ///< another event has set the velocity of this step
+  /// Without gains: damping F/v_max at the end of a step weighs as mass where the wall goes to and fro from step to
+  /// step [kg]; stable while dt < 2 sqrt(this/K), K the stiffness it presses on.
+  double mass_in_step(double dt) const { return mass + 0.5 * dt * force / max_speed; }
   bool has_gains() const { return proportional > 0.0 || integral > 0.0; }
   double from = 0.0;                                       ///< it rests before [s]
   double until = std::numeric_limits<double>::infinity();  ///< and after [s]

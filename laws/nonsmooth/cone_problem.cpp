@@ -42,15 +42,6 @@ double ConeProblem::residual(const Impulses& r, const std::vector<Vec3>& u) cons
   return std::sqrt(sum) / (scale * q_norm());
 }
 
-double ConeProblem::penetration_rate(const std::vector<Vec3>& u) const {
-  double worst = 0.0, largest = 0.0;
-  for (std::size_t i = 0; i < size(); ++i) {
-    if (moves(i)) worst = std::max(worst, -u[i].x());
-    largest = std::max(largest, q[i].norm());
-  }
-  return largest > 0.0 ? worst / largest : worst;
-}
-
 void ConeProblem::load(const ContactProblem& p) {
   EPAFI_REQUIRE(p.diagonal.size() == p.size(), "the blocks W_ii are loaded before a solver reads them");
   reference = 0.0;

@@ -58,10 +58,9 @@ struct ConeProblem {
   }
   /// What the residual is relative to: `reference`, or the Euclidean norm of q, or 1 if that is 0.
   double q_norm() const;
-  /// The residual of impulses r with their velocities u (laws/nonsmooth/residual.h) for rho = scale.
+  /// The residual of impulses r with their velocities u (laws/nonsmooth/residual.h) for rho = scale, of the contacts
+  /// that impulses move.
   double residual(const Impulses& r, const std::vector<Vec3>& u) const;
-  /// max(-u_N) / max|q|.
-  double penetration_rate(const std::vector<Vec3>& u) const;
 
   /// Of a step; keeps its memory from call to call.
   void load(const ContactProblem& problem);

@@ -33,23 +33,35 @@ EPAFI_LANES Velocity damper_force(const DamperStep<Real>& step, const Real& dash
   return of_late * v_late + of_middle * v_middle;
 }
 
-/// Of a contact's force in the step, for the balance of energy.
+/// Of a contact now, for the balance of energy.
 template <class Real>
-struct ContactChange {
-  Real overlap{};    ///< now [m]
-  Real force{};      ///< now [N]
+struct DampedContact {
+  Real overlap{};    ///< [m]
+  Real elastic{};    ///< force of its spring [N]
   Real stiffness{};  ///< [N/m]
+  Real dashpot{};    ///< [N s/m]
 };
 
-/// The velocity that the step ends with [m/s]: v_late with the contact's own change of force, which is all of it where
-/// it has begun in this step. With v_late the dashpot's loss is booked too high by D^2 dt/(2 m*) dt at the start of
-/// every impact: 1 to 3 % of the energy at ten steps per contact.
+/// What a dashpot that pushes with D loses [W], such that the trapezoid of its steps is the work of D on the way that
+/// the bodies go. Sum of D_n v_n, v_n = v_middle + dt/2 a_n the velocity that step n ends with: a_n, of all contacts,
+/// is known in the next step alone, where it is (v_late - v_middle) 2/dt. So each step tells D v_middle and what the
+/// force before it still owes, D_before dt/2 a. D_before is found anew from the velocities of its step, with the
+/// dashpot of the overlap then: c ~ sqrt(k), k ~ delta^(p - 1), p = k delta/N; (1 - y)^q by Pade's quotient [1/1]: more
+/// terms cost 3 % of a step. It errs by the third order in dt. Told with the velocity that the last acceleration
+/// predicts, a column of four under a load was open by 5e-3, a lone impact at e = 0.1 by 4e-2.
 template <class Real>
-EPAFI_LANES Real velocity_after(const DamperStep<Real>& step, const Real& v_late, const Real& v_middle,
-                                const ContactChange<Real>& now) {
-  const Real moved = step.dt * v_middle;
-  const Real change = select(now.overlap > moved, now.stiffness * moved, now.force);
-  return v_late - step.half_mobility * change;
+EPAFI_LANES Real dashpot_power(const DamperStep<Real>& step, const Real& push, const Real& v_late, const Real& v_middle,
+                               const DampedContact<Real>& now) {
+  const Real gained = v_late - v_middle, first = v_middle - gained, before = first - gained;
+  const Real moved = step.dt * v_middle, linear = now.stiffness * now.overlap;
+  const Real spring = min(max(now.elastic, 0.5 * linear), linear);  // p from 1 to 2: an adhesive one is no power
+  const Real all = 4.0 * (spring * now.overlap);
+  const Real part = all - (linear + spring) * moved, whole = all - (3.0 * spring - linear) * moved;
+  const Real lag = damper_share * (step.half_mobility * now.dashpot);
+  const Real of_before = 2.0 * lag - (step.dt * step.half_mobility) * now.stiffness;
+  const Real top = now.dashpot * part * ((whole - lag * part) * first + of_before * part * before);
+  const Real push_before = top / max(whole * (whole + lag * part), Real{} + 1e-300);
+  return push * v_middle + select(now.overlap > moved, push_before, Real{}) * gained;
 }
 
 /// dt^2/4 k and what the dashpot adds to it where the contact's force alternates from step to step [kg]: a body is

@@ -59,8 +59,13 @@ struct Hertz {
   EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
     const Real stiffness = 2.0 * p.modulus * sqrt(c.effective_radius * c.overlap);  // dN/d(delta)
     const Real elastic = 2.0 / 3.0 * stiffness * c.overlap;
-    const Real viscous = c.viscous(p.damping * sqrt(c.effective_mass * stiffness), stiffness);
-    return {max(Real{}, elastic + viscous), elastic, stiffness, 0.4 * elastic * c.overlap};
+    const Real dashpot = p.damping * sqrt(c.effective_mass * stiffness);
+    const Real force = max(Real{}, elastic + c.viscous(dashpot, stiffness));
+    return {.force = force,
+            .elastic_force = elastic,
+            .stiffness = stiffness,
+            .energy = 0.4 * elastic * c.overlap,
+            .dashpot = dashpot};
   }
 };
 static_assert(LaneLaw<Hertz>);

@@ -59,8 +59,12 @@ struct HuntCrossley {
   EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
     const Real stiffness = 2.0 * p.modulus * sqrt(c.effective_radius * c.overlap);
     const Real elastic = 2.0 / 3.0 * stiffness * c.overlap;
-    return {max(Real{}, elastic + c.viscous(elastic * p.chi, stiffness)), elastic, stiffness,
-            0.4 * elastic * c.overlap};
+    const Real dashpot = elastic * p.chi, force = max(Real{}, elastic + c.viscous(dashpot, stiffness));
+    return {.force = force,
+            .elastic_force = elastic,
+            .stiffness = stiffness,
+            .energy = 0.4 * elastic * c.overlap,
+            .dashpot = dashpot};
   }
 };
 static_assert(LaneLaw<HuntCrossley>);

@@ -46,8 +46,12 @@ struct KuwabaraKono {
   EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
     const Real stiffness = 2.0 * p.modulus * sqrt(c.effective_radius * c.overlap);  // 3/2 k sqrt(delta)
     const Real elastic = 2.0 / 3.0 * stiffness * c.overlap;
-    return {max(Real{}, elastic + c.viscous(p.relaxation * stiffness, stiffness)), elastic, stiffness,
-            0.4 * elastic * c.overlap};
+    const Real dashpot = p.relaxation * stiffness, force = max(Real{}, elastic + c.viscous(dashpot, stiffness));
+    return {.force = force,
+            .elastic_force = elastic,
+            .stiffness = stiffness,
+            .energy = 0.4 * elastic * c.overlap,
+            .dashpot = dashpot};
   }
 };
 static_assert(LaneLaw<KuwabaraKono>);

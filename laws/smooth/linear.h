@@ -43,8 +43,13 @@ struct Linear {
   template <class Real>
   EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
     const Real elastic = p.stiffness * c.overlap;
-    const Real viscous = c.viscous(2.0 * p.damping_ratio * sqrt(c.effective_mass * p.stiffness), p.stiffness);
-    return {max(Real{}, elastic + viscous), elastic, p.stiffness, 0.5 * elastic * c.overlap};
+    const Real dashpot = 2.0 * p.damping_ratio * sqrt(c.effective_mass * p.stiffness);
+    const Real force = max(Real{}, elastic + c.viscous(dashpot, p.stiffness));
+    return {.force = force,
+            .elastic_force = elastic,
+            .stiffness = p.stiffness,
+            .energy = 0.5 * elastic * c.overlap,
+            .dashpot = dashpot};
   }
 };
 static_assert(LaneLaw<Linear>);

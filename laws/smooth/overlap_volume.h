@@ -43,8 +43,13 @@ struct OverlapVolume {
   EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
     const Real stiffness = p.modulus * c.area / c.effective_radius;
     const Real elastic = stiffness * c.overlap;
-    const Real viscous = c.viscous(2.0 * p.damping_ratio * sqrt(c.effective_mass * stiffness), stiffness);
-    return {max(Real{}, elastic + viscous), elastic, stiffness, 0.5 * elastic * c.overlap};
+    const Real dashpot = 2.0 * p.damping_ratio * sqrt(c.effective_mass * stiffness);
+    const Real force = max(Real{}, elastic + c.viscous(dashpot, stiffness));
+    return {.force = force,
+            .elastic_force = elastic,
+            .stiffness = stiffness,
+            .energy = 0.5 * elastic * c.overlap,
+            .dashpot = dashpot};
   }
 };
 static_assert(LaneLaw<OverlapVolume>);

@@ -98,8 +98,12 @@ struct PowerLaw {
     const Real below = p.stiffness * power_below(c.overlap, p.exponent);  // k delta^(n-1)
     const Real elastic = below * c.overlap;
     const Real dashpot = p.dashpot + p.damping_ratio * sqrt(c.effective_mass * below);
-    return {max(Real{}, elastic + c.viscous(dashpot, p.exponent * below)), elastic, p.exponent * below,
-            elastic * c.overlap / (p.exponent + 1.0)};
+    const Real force = max(Real{}, elastic + c.viscous(dashpot, p.exponent * below));
+    return {.force = force,
+            .elastic_force = elastic,
+            .stiffness = p.exponent * below,
+            .energy = elastic * c.overlap / (p.exponent + 1.0),
+            .dashpot = dashpot};
   }
 };
 static_assert(LaneLaw<PowerLaw>);

@@ -254,9 +254,9 @@ class SmoothContact final : public ContactModel {
         if (locate_) t.normal = weigh_edge<Normal>(p.normal, t.at, dt, t.normal);
     }
     sums.elastic += t.normal.energy;
-    const double ends_at = velocity_after(t.at.step, t.at.approach_velocity, t.at.middle_velocity,
-                                          {t.at.overlap, t.normal.force, t.normal.stiffness});
-    sums.viscous_power += (t.normal.force - t.normal.elastic_force) * ends_at;
+    sums.viscous_power +=
+        dashpot_power(t.at.step, t.normal.force - t.normal.elastic_force, t.at.approach_velocity, t.at.middle_velocity,
+                      {t.at.overlap, t.normal.elastic_force, t.normal.stiffness, t.normal.dashpot});
 
     Vec3 force = -t.normal.force * contacts.normal[i];
     if constexpr (slides) force += slide(world, contacts, t, p.tangential, dt, lag, sums);

@@ -14,6 +14,7 @@
 #include "laws/nonsmooth/no_solution.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
 #include "laws/nonsmooth/solvers/pgs.h"
+#include "laws/nonsmooth/true_residual.h"
 #include "scenes/cli/commands.h"
 #include "scenes/cli/print.h"
 #include "scenes/stop.h"
@@ -166,8 +167,9 @@ Row solve_one(const ConeProblem& problem, const SolverEntry& entry, const SolveO
   std::vector<Vec6> v;
   std::vector<Vec3> u;
   problem.relative_velocities(r, v, u);
-  row.residual = problem.residual(r, u);
-  row.penetration_rate = problem.penetration_rate(u);
+  const TrueResidual measured = true_residual(problem, r);
+  row.residual = measured.value;
+  row.penetration_rate = measured.penetration_rate;
   judge(row, problem, r, u, {report, o.tolerance, o.max_iterations, late});
   return row;
 }

@@ -133,3 +133,88 @@ TEST_CASE("a gas of balls of e = 0.5 and more opens its balance by at most (pi d
     CHECK(std::abs(run.energy_error()) < std::pow(0.1 * std::numbers::pi, 2) / 6.0);  // 1.6 %: a tenth of the contact
   }
 }
+
+TEST_CASE("below the limit of a pressed column at rest a small motion dies out, above it grows",
+          "[physics][time_step]") {
+  // the damping of the wall weighs as mass: without it limits were up to 2.8 times too small
+  for (std::uint64_t draw = 0; draw < 16; ++draw) {
+    Random random(65, draw);
+    Drawn d = draw_of(random);
+    d.linear = true;
+    d.mu = 0.0;
+    d.e = std::max(d.e, 0.8);  // limits of strong dampers have a margin
+    const int balls = 1 + static_cast<int>(draw % 4);
+    const std::string text = press(random, d, balls);
+    INFO("draw " << draw << ", e " << d.e << ", balls " << balls);
+    const auto growth = [&](double share) {
+      auto run = start_text(text);
+      run.advance_to(0);
+      REQUIRE(run.failure.empty());
+      const double limit = stable_step_now(*run.assembly);
+      auto rest = start_text(
+          text, {fmt::format("run.time_step={:.9g}", run.simulation().time_step), "run.allow_unstable=true"});
+      rest.advance_to(0);
+      World& w = rest.simulation().world;
+      const auto fastest = [&] {
+        double most = 0.0;
+        for (Slot s = 0; s < w.size(); ++s)
+          if (w.is_movable(s)) most = std::max(most, std::abs(w.velocity[s].z()));
+        return most;
+      };
+      const double start = 1e-9 * std::sqrt(9.81 * d.r);
+      double sign = start;
+      for (Slot s = 0; s < w.size(); ++s)
+        if (w.is_movable(s)) w.velocity[s].z() = sign = -sign;
+      rest.simulation().time_step = share * limit;
+      for (int k = 0; k < 400; ++k) REQUIRE_FALSE(rest.simulation().advance(false));
+      return fastest() / start;
+    };
+    CHECK(growth(0.9) < 10.0);
+    CHECK(growth(1.1) > 100.0);
+  }
+}
+
+TEST_CASE("balls pushed onto a floor and onto each other close their balance, however strong their dampers",
+          "[physics][time_step][energy]") {
+  // losses told with the acceleration of the last step, which lacks what others do in this one, opened it by 1.3e-2
+  for (std::uint64_t draw = 0; draw < 16; ++draw) {
+    Random random(66, draw);
+    Drawn d = draw_of(random);
+    d.e = std::min(d.e, 0.3);
+    const int balls = 2 + static_cast<int>(draw % 4);
+    const double weight = 2500.0 * 9.81 * 4.0 / 3.0 * M_PI * d.r * d.r * d.r;
+    const double force = weight * std::pow(10.0, random.uniform(1.0, 3.5));
+    const std::string text =
+        scene_head(d, 300.0 * std::sqrt(2500.0 / d.modulus) * d.r, 0.0) +
+        plane("floor", 0, 0, 1, "[0, 0, 0]", "fixed = true") +
+        fmt::format(
+            "[[body]]\nname = \"b\"\nrepeat = {0}\nshape = \"ball\"\nmaterial = \"m\"\nposition = [0, 0, \"= "
+            "(1 + 2*i)*{1:.17g}\"]\n[[body]]\nname = \"top\"\nshape = \"ball\"\nmaterial = \"m\"\nposition = "
+            "[0, 0, {2:.17g}]\nforce = [0, 0, {3:.9g}]\n",
+            balls, d.r, (1 + 2 * balls) * d.r, -force);
+    auto run = start_text(text);
+    INFO("draw " << draw << ", e " << d.e << ", linear " << d.linear << ", balls " << balls + 1);
+    run.advance_to(0);
+    REQUIRE(run.failure.empty());
+    CHECK(std::abs(run.energy_error()) < 5e-3);
+  }
+}
+
+TEST_CASE("one ball that falls onto a floor opens its balance by at most (pi dt/t_c)^2/6 though it loses nearly all",
+          "[physics][time_step][energy]") {
+  for (std::uint64_t draw = 0; draw < 40; ++draw) {  // 8e-2 with losses told by the last acceleration
+    Random random(67, draw);
+    Drawn d = draw_of(random);
+    d.e = std::min(d.e, 0.3);
+    d.modulus *= std::pow(10.0, random.uniform(0.0, 2.0));
+    const double height = d.r * (1.0 + std::pow(10.0, random.uniform(-1.0, 0.8)));
+    auto run =
+        start_text(scene_head(d, 3.0 * std::sqrt(2.0 * height / 9.81), -9.81) +
+                   plane("floor", 0, 0, 1, "[0, 0, 0]", "fixed = true") +
+                   fmt::format("[[body]]\nshape = \"ball\"\nmaterial = \"m\"\nposition = [0, 0, {:.17g}]\n", height));
+    INFO("draw " << draw << ", e " << d.e << ", linear " << d.linear << ", height " << height / d.r << " radii");
+    run.advance_to(0);
+    REQUIRE(run.failure.empty());
+    CHECK(std::abs(run.energy_error()) < std::pow(0.1 * std::numbers::pi, 2) / 6.0);
+  }
+}

@@ -52,8 +52,11 @@ struct NormalPass {
       c.force = r.force;
       c.normal_stiffness = r.stiffness;
       c.grip = at_least<n>(r.force + r.adhesion, 0.0);
-      c.viscous = (r.force - r.elastic_force) * velocity_after<V>(at.step, at.approach_velocity, at.middle_velocity,
-                                                                  {at.overlap, r.force, r.stiffness});
+      if (call.lag > 0.0)
+        c.viscous = dashpot_power<V>(at.step, r.force - r.elastic_force, at.approach_velocity, at.middle_velocity,
+                                     {at.overlap, r.elastic_force, r.stiffness, r.dashpot});
+      else
+        c.viscous = (r.force - r.elastic_force) * at.approach_velocity;
       if (call.tells_energy) c.elastic = r.energy;
     });
   }
@@ -91,6 +94,7 @@ struct NormalPass {
       out.energy[l] = r.energy;
       out.adhesion[l] = r.adhesion;
       out.lost[l] = r.lost;
+      out.dashpot[l] = r.dashpot;
       now[l] = next;
     }
     return out;
