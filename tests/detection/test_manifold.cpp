@@ -33,7 +33,7 @@ TEST_CASE("a box resting on a larger one touches at its four lower corners", "[d
   const Patch p = patch_of(floor.hull, {}, box.hull, {{0.3, 0.1, 0.99}, upright});
   REQUIRE(p.count == 4);
   Vec3 sum = Vec3::Zero();
-  for (const auto& c : p.point) {
+  for (const PatchPoint& c : std::span(p.point).first(static_cast<std::size_t>(p.count))) {
     CHECK(c.gap == Approx(-0.01).epsilon(1e-12));
     CHECK(c.position.z() == Approx(0.495).epsilon(1e-14));  // midway between 0.5 and 0.49
     CHECK(std::abs(std::abs(c.position.x() - 0.3) - 0.5) < 1e-14);
@@ -115,7 +115,7 @@ TEST_CASE("each point of a tilted contact has its own gap", "[detection][manifol
   const Pose pose{{0, 0, 0.999}, Quat(Eigen::AngleAxisd(angle, Vec3::UnitY()))};
   const Patch p = patch_of(floor.hull, {}, box.hull, pose, 0.01);
   REQUIRE(p.count == 4);
-  for (const auto& c : p.point) {
+  for (const PatchPoint& c : std::span(p.point).first(static_cast<std::size_t>(p.count))) {
     // The lower corner above or below c, by the rotation matrix.
     const double side = c.position.x() > 0 ? 0.5 : -0.5;
     const double height = 0.999 - side * std::sin(angle) - 0.5 * std::cos(angle);
@@ -151,7 +151,8 @@ TEST_CASE("octagonal overlaps keep four points and the deepest", "[detection][ma
   const Patch p = contact_patch(pair, d, 0.0, 0.0, 0.0);
   REQUIRE(p.count == 4);
   double deepest = 0.0;
-  for (const auto& c : p.point) deepest = std::min(deepest, c.gap);
+  for (const PatchPoint& c : std::span(p.point).first(static_cast<std::size_t>(p.count)))
+    deepest = std::min(deepest, c.gap);
   CHECK(std::abs(deepest - d.axis.gap) < 1e-14);
   // Area of the kept quadrilateral: at least that of the inscribed square of the octagon's corners, 1/2 of the unit
   // square.
@@ -203,7 +204,7 @@ TEST_CASE("swept boxes touch at their skins with the same four points", "[detect
   box.hull.sweep = 0.02;
   const Patch p = patch_of(floor.hull, {}, box.hull, {{0, 0, 1.06}, upright});
   REQUIRE(p.count == 4);
-  for (const auto& c : p.point) {
+  for (const PatchPoint& c : std::span(p.point).first(static_cast<std::size_t>(p.count))) {
     CHECK(c.gap == Approx(-0.01).epsilon(1e-11));
     CHECK(c.position.z() == Approx(0.545).epsilon(1e-13));  // between 0.55 (floor's skin) and 0.54
   }

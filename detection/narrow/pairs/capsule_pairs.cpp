@@ -81,31 +81,23 @@ void collide_closed(const Cylinder& a, const HalfSpace& b, const PairQuery& q, C
   const double height = outward.dot(q.a.position - q.b.position);
   const double lower = local.z() > 0.0 ? -a.half_length() : a.half_length();
   const double across = std::sqrt(local.x() * local.x() + local.y() * local.y());
-  const Vec3 down = across > 0.0 ? Vec3(-a.radius * local.x() / across, -a.radius * local.y() / across, 0.0)
-                                 : Vec3(a.radius, 0.0, 0.0);
-  const auto add_at = [&](const Vec3& p, double gap, Feature feature) {
+  // Upright to within rounding the lowest point of the rim is anywhere: it is taken where the body has its x axis.
+  constexpr double upright = 1e-6;
+  const Vec3 low = across > 0.0 ? Vec3(-a.radius * local.x() / across, -a.radius * local.y() / across, 0.0)
+                                : Vec3(a.radius, 0.0, 0.0);
+  const Vec3 down = across > upright ? low : Vec3(a.radius, 0.0, 0.0), end(0.0, 0.0, lower);
+  const auto add = [&](const Vec3& p, double gap, Feature feature) {
     if (gap < q.reach) sink.add({gap, -outward, q.a.orientation * p - 0.5 * gap * outward, contact_radius(a), feature});
   };
-  const auto add = [&](const Vec3& p, Feature feature) { add_at(p, height + local.dot(p), feature); };
-  const Vec3 end(0.0, 0.0, lower);
-  const double side = 0.86602540378443864676 * a.radius;  // sin 120 deg
-  // Upright to within rounding, the lowest point of the rim is anywhere: it comes from the middle of the end. Its depth
-  // is that of the rim, to the last bit.
-  constexpr double upright = 1e-6;
-  add_at(end + std::min(1.0, across / upright) * down, height + local.dot(end + down), 0);
-  if (across >= 0.02 && across < 0.5) {
-    // it rolls on its rim: points that go round with the lowest one. Points fixed in the body pass through it three
-    // times a turn, take its impulse and with it the memory of the contact (Euler's disk lost 22 % of its energy in 10
-    // s)
+  add(end + down, height + local.dot(end + low), 0);  // its depth is that of the rim, to the last bit
+  if (across < 0.5) {
+    // Steeper than 60 deg it stands or rolls on its rim, on points that go round with the lowest one: so their springs
+    // have a potential, and none fixed in the body takes the impulse of the one that passes by (Euler's disk).
     const Vec3 aside(-down.y(), down.x(), 0.0);
-    add(end - 0.5 * down + 0.86602540378443864676 * aside, 5);
-    add(end - 0.5 * down - 0.86602540378443864676 * aside, 6);
-  } else if (across < 0.5) {  // steeper than 60 deg: it stands
-    add(end + Vec3(a.radius, 0.0, 0.0), 1);
-    add(end + Vec3(-0.5 * a.radius, side, 0.0), 2);
-    add(end + Vec3(-0.5 * a.radius, -side, 0.0), 3);
+    const Vec3 others[] = {aside, -down, -aside};
+    for (Feature k = 1; k <= 3; ++k) add(end + others[k - 1], height + local.dot(end + others[k - 1]), k);
   } else {
-    add(down - end, 4);
+    add(down - end, height + local.dot(down - end), 4);
   }
 }
 

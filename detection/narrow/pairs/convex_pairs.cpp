@@ -210,7 +210,7 @@ void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const R
   }
   if (d.uncertainty > certain * pair.size()) sink.mark_degenerate();
   const Patch patch = contact_patch(pair, d, q.reach, r.sweep_a, r.sweep_b);
-  if (q.resting && patch.count > 0) {
+  if (q.resting && patch.count > 0 && patch.count <= 4) {
     if (!*q.resting) *q.resting = std::make_unique<RestingPatch>();
     keep_resting(pair, d.axis, patch, q.reach, **q.resting);
   }

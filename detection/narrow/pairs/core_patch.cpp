@@ -7,12 +7,46 @@
 namespace epafi {
 namespace {
 
+constexpr std::size_t round_end = 8;  // corners of a cylinder's end
+
 std::uint32_t face_along(const PolyhedronView& p, const Vec3& n) {
   const std::uint32_t v = ConvexHull::support_vertex(p, n);
   std::uint32_t best = p.fans[p.fan_begin[v]];
   for (std::uint32_t k = p.fan_begin[v] + 1; k < p.fan_begin[v + 1]; ++k)
     if (p.face_normals[p.fans[k]].dot(n) > p.face_normals[best].dot(n)) best = p.fans[k];
   return best;
+}
+
+/// As the shape says, and an end or side that leans by up to 26 degrees: soft bodies are deep with all of its points.
+FlatSide facing_side(const CoreAndPolyhedron& pair, const Vec3& direction) {
+  FlatSide side = pair.facing(pair.shape, direction);
+  if (side.count == 0) side = pair.facing(pair.shape, direction.cwiseProduct(Vec3(0.1, 0.1, 1.0)));
+  if (side.count == 0) side = pair.facing(pair.shape, direction.cwiseProduct(Vec3(1.0, 1.0, 0.1)));
+  return side;
+}
+
+/// The points of a round end go round with the lowest one, against `m`: so their springs have a potential. Upright to
+/// within rounding they stay where the body has them.
+void turn_round_end(const Vec3& m, std::vector<SidePoint>& side) {
+  constexpr double upright = 1e-6;
+  const Vec3 centre = 0.5 * (side[0].x + side[4].x), arm = side[0].x - centre, across = side[2].x - centre;
+  const double radius = arm.norm();
+  const Vec3 axis = arm.cross(across).normalized(), down = m.dot(axis) * axis - m;
+  const double tilt = down.norm();
+  if (!(tilt > upright)) return;
+  const Vec3 first = radius / tilt * down, second = axis.cross(first);
+  for (std::size_t k = 0; k < side.size(); ++k) {
+    const double c = arm.dot(side[k].x - centre) / (radius * radius),
+                 s = across.dot(side[k].x - centre) / (radius * radius);
+    side[k].x = centre + c * first + s * second;
+  }
+}
+
+/// A round end all of which is over the face has four points: which of eight remain would change with those that touch.
+void keep_quarters(std::vector<SidePoint>& side) {
+  const auto is_cut = [](const SidePoint& s) { return s.cut != 0; };
+  if (side.size() != round_end || std::ranges::any_of(side, is_cut)) return;
+  std::erase_if(side, [](const SidePoint& s) { return s.corner % 2 == 1; });
 }
 
 }  // namespace
@@ -28,13 +62,15 @@ Patch core_patch(const CoreAndPolyhedron& pair, const NearestPoint& nearest, dou
   const std::uint32_t face = face_along(p, n);
   const Vec3& m = p.face_normals[face];
   if (m.cross(n).squaredNorm() < facing_sine * facing_sine) {
-    const FlatSide flat = pair.facing(pair.shape, -(pair.rotation.transpose() * n));
+    const FlatSide flat = facing_side(pair, -(pair.rotation.transpose() * n));
     for (int k = 0; k < flat.count; ++k)
       side.push_back(
           {pair.rotation * flat.corner[static_cast<std::size_t>(k)] + pair.offset, static_cast<std::uint32_t>(k), 0});
+    if (side.size() == round_end) turn_round_end(m, side);
     const std::uint32_t begin = p.face_begin[face];
     clip_side([&](std::uint32_t k) -> const Vec3& { return p.vertices[p.face_vertices[begin + k]]; },
               p.face_begin[face + 1] - begin, m, side_snap * pair.size, side);
+    keep_quarters(side);
   }
   for (const SidePoint& s : side) {
     // never below the nearest: along a normal that is not the face's, a point beside the face may seem so

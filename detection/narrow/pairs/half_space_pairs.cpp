@@ -40,9 +40,9 @@ void collide_with_plane(const PolyhedronView& a, double sweep, double radius, co
     points.push_back(
         {rotation * a.vertices[v] - (sweep + 0.5 * gap) * outward, gap, make_feature(FeatureKind::vertex_a, v, 0)});
   }
-  if (points.size() > 4) keep_facing(a, local, points);
+  if (q.reach > 0.0 && points.size() > 4) keep_facing(a, local, points);
   Patch patch;
-  keep_four(points, -outward, a.radius + sweep, patch);
+  keep_corners(points, -outward, a.radius + sweep, q.reach, patch);
   for (int k = 0; k < patch.count; ++k) {
     const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
     sink.add({p.gap, -outward, p.position, radius, p.feature});

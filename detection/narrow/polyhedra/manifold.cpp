@@ -1,5 +1,6 @@
 #include "detection/narrow/polyhedra/manifold.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "engine/state/frame.h"
@@ -254,6 +255,16 @@ void keep_four(std::span<const PatchPoint> points, const Vec3& normal, double si
   kept->gap = std::min(kept->gap, std::min_element(points.begin(), points.end(), lowest)->gap);
 }
 
+void keep_corners(std::span<const PatchPoint> points, const Vec3& normal, double size, double reach, Patch& out) {
+  const FeatureKind kind = points.empty() ? FeatureKind::edges : feature_kind(points.front().feature);
+  const auto is_alike = [kind](const PatchPoint& p) { return feature_kind(p.feature) == kind; };
+  if (reach > 0.0 || points.size() > Patch::most || kind == FeatureKind::edges ||
+      !std::ranges::all_of(points, is_alike))
+    return keep_four(points, normal, size, out);
+  std::ranges::copy(points, out.point.begin());
+  out.count = static_cast<int>(points.size());
+}
+
 void keep_with_nearest(std::vector<PatchPoint>& points, const NearestPoint& nearest, double size, Patch& out) {
   double least = infinity;
   for (const PatchPoint& p : points) least = std::min(least, p.gap);
@@ -298,7 +309,7 @@ Patch contact_patch(const PolyhedronPair& pair, const PolyhedronDistance& d, dou
     }
     add_other_corners(pair, d.axis, f, reach, sweep_a, sweep_b, tolerance, buf);
   }
-  keep_four(buf.points, n, size, out);
+  keep_corners(buf.points, n, size, reach, out);
   // The patch must hold the pair's deepest point; where it does not (tip, crossed edges), that point alone is the
   // contact.
   double deepest = infinity;

@@ -1,5 +1,7 @@
 /// @file manifold.h  Contact points of two polyhedra: the facing faces, projected along the common normal and clipped
-/// against each other; at most 4 points, the deepest always among them.
+/// against each other; at most 4 points, the deepest always among them. Where only overlapping points are wanted
+/// (reach 0: springs), all corners of one body that lie in a face of the other, up to Patch::most: were they exchanged
+/// for others at a depth, their springs would have no potential (prisms that land flat lost 0.1 of their energy).
 /// Every point carries its own gap along the common normal and lies midway between the surfaces. Its feature names a
 /// vertex of A, a vertex of B or a crossing of two edges: names do not depend on which body is taken as reference, so
 /// they stay while the contact does. Vertices closer than 1e-6 of the size to each other or to an edge count as on it.
@@ -19,7 +21,8 @@ struct PatchPoint {
 };
 
 struct Patch {
-  std::array<PatchPoint, 4> point;
+  static constexpr std::size_t most = 16;
+  std::array<PatchPoint, most> point;
   int count = 0;
   bool alone = false;                    ///< the pair's nearest (deepest) point alone
   std::uint32_t face_a = 0, face_b = 0;  ///< of two polyhedra: the faces that look at each other
@@ -51,6 +54,9 @@ struct NearestPoint {
   Vec3 normal;    ///< unit, from A to B
   double gap;     ///< sweeps taken off [m]
 };
+
+/// Keeps all that may stay (reach 0, see above), else 4.
+void keep_corners(std::span<const PatchPoint> points, const Vec3& normal, double size, double reach, Patch& out);
 
 /// Keeps 4 of the points: the deepest, the farthest from it, the two that span the largest area with them on either
 /// side. Of points that are equal to within rounding the one with the lowest feature is taken, so that a body that
