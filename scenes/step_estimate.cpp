@@ -119,7 +119,8 @@ double corner_step(const ContactLinks& links, const ExpectedPair& pair, const Fl
   world.add(b);
   // of n bodies on each other 4 cos^2(pi / (2 n + 1)) times the value of the lowest alone
   const double half_wave = std::cos(std::numbers::pi / (2.0 * static_cast<double>(stacked) + 1.0));
-  const double factor = stacked > 1 ? 4.0 * half_wave * half_wave : 1.0;
+  // more than four corners carry as four points do that are stiffer together
+  const double factor = 0.25 * body.corners * (stacked > 1 ? 4.0 * half_wave * half_wave : 1.0);
   const auto value = [&](double dt) {
     double most = 0.0;
     for (int axis = 0; axis < 3; ++axis) {

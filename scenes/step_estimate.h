@@ -25,6 +25,7 @@ struct FlatBody {
   Vec3 inertia = Vec3::Zero();  ///< principal [kg m^2]
   Vec3 half = Vec3::Zero();     ///< half the sides of its box [m]
   double radius = 0.0;          ///< of the sphere of its volume [m]
+  int corners = 4;              ///< that carry it on its largest face, 4 at least
 };
 
 /// What two kinds of bodies are to each other.
@@ -62,7 +63,7 @@ struct Column {
 /// By the eigenvalue of all its contacts under what lies above them [s].
 double column_step(const ContactLinks& links, const Column& column);
 
-/// Of a flat body that lies on four points of its stiffest face at an overlap; the lowest of `stacked` bodies where
+/// Of a flat body that lies on the corners of its stiffest face at an overlap; the lowest of `stacked` bodies where
 /// more than one is free [s].
 double corner_step(const ContactLinks& links, const ExpectedPair& pair, const FlatBody& body, double overlap,
                    std::size_t stacked);

@@ -9,6 +9,7 @@
 #include <optional>
 #include <tuple>
 
+#include "detection/narrow/polyhedra/manifold.h"
 #include "engine/threads/parallel.h"
 #include "laws/smooth/contact_links.h"
 #include "laws/smooth/critical_step.h"
@@ -28,6 +29,17 @@ struct Smallest {
   int points = 1;     ///< of a pair: spheres and ellipsoids touch at one, capsules along a line, faces at four
   std::map<std::uint32_t, FlatBody> flat{};  ///< by shape: those that rest on faces
 };
+
+/// That a body may rest on: the overlapping ones of a face on a plane or on another face all carry.
+int corners_of_largest_face(const ShapeStore& shapes, ShapeRef ref) {
+  constexpr int least = 4;
+  if (ref.type() != ShapeStore::type_of<ConvexHull>()) return least;
+  const auto begins = shapes.of<ConvexHull>()[ref.index()].view().face_begin;
+  int most = least;
+  for (std::size_t f = 0; f + 1 < begins.size(); ++f)
+    most = std::max(most, static_cast<int>(begins[f + 1] - begins[f]));
+  return std::min(most, static_cast<int>(Patch::most));
+}
 
 int points_of(ShapeRef ref) {
   if (ref.type() == ShapeStore::type_of<Sphere>() || ref.type() == ShapeStore::type_of<Ellipsoid>()) return 1;
@@ -69,7 +81,8 @@ void look_at(Survey& out, const Assembly& a, const Body& body, const Vec3& at) {
   const Aabb box = a.shapes->bounding_box(ShapeRef{shape}, Pose{});
   const double density = a.scene.materials[material].material.density;
   const double volume = mass / density, of_volume = std::cbrt(0.75 * volume / std::numbers::pi);
-  FlatBody flat{mass, body.inertia, box.max.cwiseAbs().cwiseMax(box.min.cwiseAbs()), density > 0 ? of_volume : radius};
+  FlatBody flat{mass, body.inertia, box.max.cwiseAbs().cwiseMax(box.min.cwiseAbs()), density > 0 ? of_volume : radius,
+                corners_of_largest_face(*a.shapes, ShapeRef{shape})};
   // the faces of other shapes do not fill the sides of their box: a cylinder's rim is as far as the corners of a square
   // in it
   if (ShapeRef{shape}.type() != ShapeStore::type_of<Box>()) flat.half *= std::sqrt(0.5);
@@ -250,14 +263,14 @@ class ContactEstimate {
         pair.at.effective_mass = q ? 0.5 * flat.mass : flat.mass;
         pair.at.effective_radius = q ? 0.5 * flat.radius : flat.radius;
         pair.at.area = 0.25 * std::numbers::pi * pair.at.effective_radius * pair.at.effective_radius;
-        // a quarter of the weight each; it falls onto its points from rest
+        // its part of the weight each; it falls onto its points from rest
         const double falls = 1.0 + restitution;
-        const double pressed = overlap_under(links_, pair, 0.25 * falls * load_of(kind->radius));
+        const double pressed = overlap_under(links_, pair, falls * load_of(kind->radius) / flat.corners);
         const std::size_t stacked = q ? std::min<std::size_t>(survey_.free_bodies, 3) : 1;
         const double overlap = std::max(impact_overlap, pressed);
         take(corner_step(links_, pair, flat, pressed, stacked),
              0.5 * corner_step(links_, pair, flat, overlap, std::min<std::size_t>(stacked, 2)),
-             "with four points of a face");
+             flat.corners > 4 ? "with all corners of a face" : "with four points of a face");
       }
     }
   }
