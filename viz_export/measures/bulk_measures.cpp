@@ -68,15 +68,11 @@ void each_image(const World& w, const Vec3& x, const F& f) {
 void SolidFractionMeasure::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
   const MeasureRegion region = region_.now(w);
+  volumes_.find(w);
   const Sum3 sum = block_sum<Sum3>(w.size(), [&](std::size_t i) -> Sum3 {
     const auto s = static_cast<Slot>(i);
     if (!w.is_movable(s)) return {};
-    const double own = shapes_->with(ShapeRef{w.shape[s]}, [](const auto& shape) {
-      if constexpr (requires { shape.mass_properties(); })
-        return shape.mass_properties().mass;  // at density 1
-      else
-        return 0.0;
-    });
+    const double own = volumes_.of(w.shape[s]);
     const double radius = std::cbrt(own * 0.238732414637843);  // 3/(4 pi)
     const Vec3 x = MeasureRegion::in_cell(w, w.position[s]);
     double volume = region.whole_cell ? own : 0.0;  // every body is in it once

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "viz_export/measures/measure.h"
+#include "viz_export/measures/shape_volumes.h"
 
 namespace epafi {
 
@@ -58,13 +59,13 @@ class StressMeasure final : public Measure {
 /// twice.
 class SolidFractionMeasure final : public Measure {
  public:
-  explicit SolidFractionMeasure(MeasureSetup setup) : region_(setup.parameters), shapes_(setup.shapes) {}
+  explicit SolidFractionMeasure(MeasureSetup setup) : region_(setup.parameters), volumes_(setup.shapes) {}
   std::vector<std::string> components() const override { return {"fraction", "bodies"}; }
   void sample(const StepView& view, std::vector<double>& values) override;
 
  private:
   MeasureRegion region_;
-  const ShapeStore* shapes_;
+  ShapeVolumes volumes_;
 };
 
 /// Means by mass over `bins` layers of the region along `axis`: velocity_x_0, velocity_y_0, velocity_z_0, density_0

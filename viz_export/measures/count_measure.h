@@ -18,6 +18,7 @@ class CountMeasure final : public Measure {
  private:
   bool counts(const World& world, const MeasureRegion& region, Slot s) const;
   MeasureSetup setup_;
+  ShapeVolumes volumes_;
   MeasureRegion region_;
   bool everywhere_;
   std::optional<Vec3> normal_;
