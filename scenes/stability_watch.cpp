@@ -38,6 +38,7 @@ class LinkSource {
       });
     append_spring_links(springs_, world, dt, links);
   }
+  bool has_walls() const { return !walls_.empty(); }
   std::vector<PressedBody> pressed(double dt) const {
     std::vector<PressedBody> out;
     for (const Wall& w : walls_) out.push_back({w.body, w.servo->direction, w.servo->mass_in_step(dt)});
@@ -164,7 +165,7 @@ std::unique_ptr<StepWatch> make_stability_watch(const Assembly& a) {
 
 std::function<double(const World&, const ContactPieces&, double)> stiffness_of_parts(const Assembly& a) {
   const auto source = std::make_shared<const LinkSource>(a);
-  if (!source->driven().empty()) return {};
+  if (source->has_walls()) return {};
   return [source](const World& world, const ContactPieces& pieces, double dt) {
     std::vector<StiffLink> links;
     source->read(world, pieces, dt, links);
