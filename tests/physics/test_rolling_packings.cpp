@@ -54,6 +54,6 @@ region = {{ box = {{ min = [0.005, 0.005, 0.013], max = [0.045, 0.045, 0.18] }} 
     run.advance_to(0);
     INFO(run.failure);
     CHECK(run.failure.empty());
-    CHECK(std::abs(run.energy_error()) < 5e-3);
+    CHECK(run.energy_error() < 1e-3);  // with a sixth of the spin for each contact 0.02, with the whole 0.2 to 2
   }
 }
