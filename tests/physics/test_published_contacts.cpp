@@ -97,14 +97,12 @@ TEST_CASE("contacts of the fused loop are published in canonical order, the same
   CHECK(worst < 1e-12 * most);
 }
 
-TEST_CASE("frames list those adhesive contacts of the sphere loop that hold, whatever lies within reach",
-          "[physics][fused]") {
-  std::mt19937 random(11);
+namespace {
+
+/// Thirty grains that stick, of drawn stiffness, restitution and adhesion, thrown about in a cup.
+std::string sticky_cup(const std::string& law, int seed, std::mt19937& random) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
-  std::size_t within_reach = 0;  // of the last looks, in all draws
-  for (int draw = 0; draw < 6; ++draw) {
-    const std::string law = draw % 3 == 2 ? "dmt" : "jkr";
-    SceneRun run = start_text(fmt::format(R"([run]
+  return fmt::format(R"([run]
 duration = 0.2
 output_interval = 1.0
 seed = {}
@@ -139,18 +137,34 @@ count = 30
 region = {{ box = {{ min = [-0.02, -0.02, 0.005], max = [0.02, 0.02, 0.18] }} }}
 velocity_deviation = 0.7
 )",
-                                          draw + 1, 1e6 + 1e7 * unit(random), unit(random), law, 0.1 * unit(random)));
+                     seed, 1e6 + 1e7 * unit(random), unit(random), law, 0.1 * unit(random));
+}
+
+/// Contacts of all pieces that overlap or carry force, and those that are listed within reach without either.
+std::pair<std::size_t, std::size_t> holding_and_idle(const ContactPieces& pieces) {
+  std::size_t holding = 0, idle = 0;
+  for (std::size_t k = 0; k < pieces.size(); ++k)
+    pieces.read(k, [&](const ContactSet& c, std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) ++(c.gap[i] < 0.0 || c.force[i].squaredNorm() > 0.0 ? holding : idle);
+    });
+  return {holding, idle};
+}
+
+}  // namespace
+
+TEST_CASE("frames list those adhesive contacts of the sphere loop that hold, whatever lies within reach",
+          "[physics][fused]") {
+  std::mt19937 random(11);
+  std::size_t within_reach = 0;  // of the last looks, in all draws
+  for (int draw = 0; draw < 6; ++draw) {
+    const std::string law = draw % 3 == 2 ? "dmt" : "jkr";
+    SceneRun run = start_text(sticky_cup(law, draw + 1, random));
     REQUIRE(run.assembly->plan.fused_spheres);
     Simulation& sim = run.simulation();
     for (int look = 0; look < 40; ++look) {
       run.advance_to(sim.steps() + 97);
       const ContactPieces pieces(sim.world, sim.work.contacts, sim.pipeline.contact_model.get());
-      std::size_t holding = 0, listed = 0;
-      for (std::size_t k = 0; k < pieces.size(); ++k)
-        pieces.read(k, [&](const ContactSet& c, std::size_t begin, std::size_t end) {
-          listed += end - begin;
-          for (std::size_t i = begin; i < end; ++i) holding += c.gap[i] < 0.0 || c.force[i].squaredNorm() > 0.0;
-        });
+      const auto [holding, idle] = holding_and_idle(pieces);
       const ContactList list(sim.world, pieces);
       CHECK(list.size() == holding);
       for (std::size_t k = 0; holding > 0 && k + 1 < list.begins().size(); ++k)
@@ -161,7 +175,7 @@ velocity_deviation = 0.7
       std::vector<float> residual;
       list.copy(copy, residual);
       CHECK(copy.size() == holding);
-      within_reach += listed - holding;
+      within_reach += idle;
     }
     CHECK(run.failure.empty());
   }
