@@ -41,6 +41,7 @@ struct ResponseOf {
   Real adhesion{};       ///< the force that parts the bodies [N], >= 0: friction slides at mu (N + adhesion)
   Real lost{};           ///< to plastic deformation or adhesion since the last step [J]
   Real dashpot{};        ///< c of the viscous part of N [N s/m]
+  Real growth{};         ///< q of c ~ overlap^q, 0 to 1.5
 };
 using NormalResponse = ResponseOf<double>;
 

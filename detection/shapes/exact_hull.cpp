@@ -72,10 +72,10 @@ class HullBuilder {
   /// To rounding: any point above would do, the farthest saves facets.
   std::uint32_t farthest_above(std::size_t f) const {
     const auto& [a, b, c] = facets_[f].corner;
-    const Vec3 normal = (points_[b] - points_[a]).cross(points_[c] - points_[a]);
+    const Vec3 first = points_[a], normal = (points_[b] - first).cross(points_[c] - first);
     const auto& above = facets_[f].outside;
     return *std::max_element(above.begin(), above.end(), [&](std::uint32_t p, std::uint32_t q) {
-      return normal.dot(points_[p] - points_[a]) < normal.dot(points_[q] - points_[a]);
+      return normal.dot(points_[p] - first) < normal.dot(points_[q] - first);
     });
   }
 

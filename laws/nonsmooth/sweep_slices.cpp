@@ -175,7 +175,8 @@ class Cutter {
   }
 
   void tell_of(Slot s, int from, std::size_t color) {
-    const auto [first, last] = std::ranges::equal_range(uses_, s, {}, &Use::slot);
+    const auto first = std::ranges::lower_bound(uses_, s, {}, &Use::slot);
+    const auto last = std::ranges::upper_bound(uses_, s, {}, &Use::slot);
     const auto mine = std::ranges::find(first, last, from, &Use::rank);
     for (auto use = first; use != last; ++use) {
       if (use->rank == from) continue;

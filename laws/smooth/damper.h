@@ -37,30 +37,30 @@ EPAFI_LANES Velocity damper_force(const DamperStep<Real>& step, const Real& dash
 template <class Real>
 struct DampedContact {
   Real overlap{};    ///< [m]
-  Real elastic{};    ///< force of its spring [N]
+  Real elastic{};    ///< what its spring pushes with, and adhesion could pull [N]: no dashpot pulls with more
   Real stiffness{};  ///< [N/m]
   Real dashpot{};    ///< [N s/m]
+  Real growth{};     ///< q of c ~ overlap^q
 };
 
 /// What a dashpot that pushes with D loses [W], such that the trapezoid of its steps is the work of D on the way that
 /// the bodies go. Sum of D_n v_n, v_n = v_middle + dt/2 a_n the velocity that step n ends with: a_n, of all contacts,
 /// is known in the next step alone, where it is (v_late - v_middle) 2/dt. So each step tells D v_middle and what the
 /// force before it still owes, D_before dt/2 a. D_before is found anew from the velocities of its step, with the
-/// dashpot of the overlap then: c ~ sqrt(k), k ~ delta^(p - 1), p = k delta/N; (1 - y)^q by Pade's quotient [1/1]: more
-/// terms cost 3 % of a step. It errs by the third order in dt. Told with the velocity that the last acceleration
-/// predicts, a column of four under a load was open by 5e-3, a lone impact at e = 0.1 by 4e-2.
+/// dashpot of the overlap then, c (1 - y)^q by Pade's quotient [1/1]: more terms cost 3 % of a step. Contacts do not
+/// pull, so that it is at least the spring's force then. It errs by the third order in dt. Told with the velocity that
+/// the last acceleration predicts, a column of four under a load was open by 5e-3, a lone impact at e = 0.1 by 4e-2.
 template <class Real>
 EPAFI_LANES Real dashpot_power(const DamperStep<Real>& step, const Real& push, const Real& v_late, const Real& v_middle,
                                const DampedContact<Real>& now) {
   const Real gained = v_late - v_middle, first = v_middle - gained, before = first - gained;
-  const Real moved = step.dt * v_middle, linear = now.stiffness * now.overlap;
-  const Real spring = min(max(now.elastic, 0.5 * linear), linear);  // p from 1 to 2: an adhesive one is no power
-  const Real all = 4.0 * (spring * now.overlap);
-  const Real part = all - (linear + spring) * moved, whole = all - (3.0 * spring - linear) * moved;
+  const Real moved = step.dt * v_middle, half = 0.5 * moved, turned = now.growth * half;
+  const Real whole = now.overlap - half + turned, part = max(Real{}, now.overlap - half - turned);
   const Real lag = damper_share * (step.half_mobility * now.dashpot);
   const Real of_before = 2.0 * lag - (step.dt * step.half_mobility) * now.stiffness;
   const Real top = now.dashpot * part * ((whole - lag * part) * first + of_before * part * before);
-  const Real push_before = top / max(whole * (whole + lag * part), Real{} + 1e-300);
+  const Real spring_before = max(Real{}, now.elastic - now.stiffness * moved);
+  const Real push_before = max(top / max(whole * (whole + lag * part), Real{} + 1e-300), -spring_before);
   return push * v_middle + select(now.overlap > moved, push_before, Real{}) * gained;
 }
 

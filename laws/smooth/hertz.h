@@ -65,7 +65,8 @@ struct Hertz {
             .elastic_force = elastic,
             .stiffness = stiffness,
             .energy = 0.4 * elastic * c.overlap,
-            .dashpot = dashpot};
+            .dashpot = dashpot,
+            .growth = Real{} + 0.25};
   }
 };
 static_assert(LaneLaw<Hertz>);

@@ -64,7 +64,8 @@ struct HuntCrossley {
             .elastic_force = elastic,
             .stiffness = stiffness,
             .energy = 0.4 * elastic * c.overlap,
-            .dashpot = dashpot};
+            .dashpot = dashpot,
+            .growth = Real{} + 1.5};
   }
 };
 static_assert(LaneLaw<HuntCrossley>);

@@ -51,7 +51,8 @@ struct KuwabaraKono {
             .elastic_force = elastic,
             .stiffness = stiffness,
             .energy = 0.4 * elastic * c.overlap,
-            .dashpot = dashpot};
+            .dashpot = dashpot,
+            .growth = Real{} + 0.5};
   }
 };
 static_assert(LaneLaw<KuwabaraKono>);

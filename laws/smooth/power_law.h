@@ -103,7 +103,8 @@ struct PowerLaw {
             .elastic_force = elastic,
             .stiffness = p.exponent * below,
             .energy = elastic * c.overlap / (p.exponent + 1.0),
-            .dashpot = dashpot};
+            .dashpot = dashpot,
+            .growth = select(p.dashpot > Real{}, Real{}, 0.5 * (p.exponent - 1.0))};
   }
 };
 static_assert(LaneLaw<PowerLaw>);

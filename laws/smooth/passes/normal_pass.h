@@ -54,7 +54,7 @@ struct NormalPass {
       c.grip = at_least<n>(r.force + r.adhesion, 0.0);
       if (call.lag > 0.0)
         c.viscous = dashpot_power<V>(at.step, r.force - r.elastic_force, at.approach_velocity, at.middle_velocity,
-                                     {at.overlap, r.elastic_force, r.stiffness, r.dashpot});
+                                     {at.overlap, r.elastic_force + r.adhesion, r.stiffness, r.dashpot, r.growth});
       else
         c.viscous = (r.force - r.elastic_force) * at.approach_velocity;
       if (call.tells_energy) c.elastic = r.energy;
@@ -95,6 +95,7 @@ struct NormalPass {
       out.adhesion[l] = r.adhesion;
       out.lost[l] = r.lost;
       out.dashpot[l] = r.dashpot;
+      out.growth[l] = r.growth;
       now[l] = next;
     }
     return out;
