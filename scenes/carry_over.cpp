@@ -65,10 +65,11 @@ class ColumnStore {
     const auto found = columns_.find(name);
     if (found == columns_.end() || found->second.element != sizeof(T)) return;
     std::vector<T> values(found->second.bytes.size() / sizeof(T));
-    std::memcpy(static_cast<void*>(values.data()), found->second.bytes.data(), found->second.bytes.size());
+    if (!values.empty())
+      std::memcpy(static_cast<void*>(values.data()), found->second.bytes.data(), found->second.bytes.size());
     f(values);
     found->second.bytes.resize(values.size() * sizeof(T));
-    std::memcpy(found->second.bytes.data(), values.data(), found->second.bytes.size());
+    if (!values.empty()) std::memcpy(found->second.bytes.data(), values.data(), found->second.bytes.size());
   }
 
  private:

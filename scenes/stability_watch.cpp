@@ -27,7 +27,7 @@ class LinkSource {
   explicit LinkSource(const Assembly& a) : contacts_(smooth_setup(a.scene)), springs_(springs_of(a)) {
     for (std::size_t k = 0; k < a.scene.bodies.size(); ++k)
       if (const auto& pressing = a.scene.bodies[k].servo; pressing && !pressing->servo.has_gains())
-        walls_.push_back({a.id_of(k), &pressing->servo});
+        walls_.push_back({a.id_of(k), pressing->servo});  // the scene lets its bodies go
   }
 
   void read(const World& world, const ContactPieces& pieces, double dt, std::vector<StiffLink>& links) const {
@@ -41,14 +41,14 @@ class LinkSource {
   bool has_walls() const { return !walls_.empty(); }
   std::vector<PressedBody> pressed(double dt) const {
     std::vector<PressedBody> out;
-    for (const Wall& w : walls_) out.push_back({w.body, w.servo->direction, w.servo->mass_in_step(dt)});
+    for (const Wall& w : walls_) out.push_back({w.body, w.servo.direction, w.servo.mass_in_step(dt)});
     return out;
   }
 
  private:
   struct Wall {
     BodyId body;
-    const Servo* servo;
+    Servo servo;
   };
   ContactLinks contacts_;
   std::vector<SpringElement> springs_;
