@@ -55,7 +55,9 @@ EPAFI_LANES Real dashpot_power(const DamperStep<Real>& step, const Real& push, c
                                const DampedContact<Real>& now) {
   const Real gained = v_late - v_middle, first = v_middle - gained, before = first - gained;
   const Real moved = step.dt * v_middle, half = 0.5 * moved, turned = now.growth * half;
-  const Real whole = now.overlap - half + turned, part = max(Real{}, now.overlap - half - turned);
+  // q > 1: the quotient has a pole where the overlap was five times as deep
+  const Real whole = max(now.overlap - half + turned, 0.5 * now.overlap);
+  const Real part = max(Real{}, now.overlap - half - turned);
   const Real lag = damper_share * (step.half_mobility * now.dashpot);
   const Real of_before = 2.0 * lag - (step.dt * step.half_mobility) * now.stiffness;
   const Real top = now.dashpot * part * ((whole - lag * part) * first + of_before * part * before);
