@@ -40,7 +40,7 @@ struct ResponseOf {
   Real energy{};         ///< U(delta) [J]
   Real adhesion{};       ///< the force that parts the bodies [N], >= 0: friction slides at mu (N + adhesion)
   Real lost{};           ///< to plastic deformation or adhesion since the last step [J]
-  Real dashpot{};        ///< c of the viscous part of N [N s/m]
+  Real dashpot{};        ///< c of the viscous part of N [N s/m]; where a damped law leaves it 0, losses err by order dt
   Real growth{};         ///< q of c ~ overlap^q, 0 to 1.5
 };
 using NormalResponse = ResponseOf<double>;

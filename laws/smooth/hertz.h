@@ -47,7 +47,8 @@ struct Hertz {
   }
   static bool is_damped(const Parameters& p) { return p.damping > 0.0; }
   static double elastic_power(const Parameters&) { return 1.5; }
-  static double viscous_power(const Parameters&) { return 0.25; }
+  static constexpr double growth = 0.25;  ///< q of c ~ overlap^q
+  static double viscous_power(const Parameters&) { return growth; }
   static double viscous(const Parameters& p, const ContactKinematics& c) {
     const double k = stiffness(p, c);
     return c.viscous(p.damping * std::sqrt(c.effective_mass * k), k);
@@ -66,7 +67,7 @@ struct Hertz {
             .stiffness = stiffness,
             .energy = 0.4 * elastic * c.overlap,
             .dashpot = dashpot,
-            .growth = Real{} + 0.25};
+            .growth = Real{} + growth};
   }
 };
 static_assert(LaneLaw<Hertz>);

@@ -50,7 +50,8 @@ struct HuntCrossley {
   static Parameters parameters(const MaterialPair& pair) { return parameters_of(pair, factor(pair.restitution)); }
   static bool is_damped(const Parameters& p) { return p.chi > 0.0; }
   static double elastic_power(const Parameters&) { return 1.5; }
-  static double viscous_power(const Parameters&) { return 1.5; }
+  static constexpr double growth = 1.5;  ///< q of c ~ overlap^q
+  static double viscous_power(const Parameters&) { return growth; }
   static double viscous(const Parameters& p, const ContactKinematics& c) {
     const double k = 2.0 * p.modulus * std::sqrt(c.effective_radius * c.overlap);
     return c.viscous(2.0 / 3.0 * k * c.overlap * p.chi, k);
@@ -65,7 +66,7 @@ struct HuntCrossley {
             .stiffness = stiffness,
             .energy = 0.4 * elastic * c.overlap,
             .dashpot = dashpot,
-            .growth = Real{} + 1.5};
+            .growth = Real{} + growth};
   }
 };
 static_assert(LaneLaw<HuntCrossley>);

@@ -37,7 +37,8 @@ struct KuwabaraKono {
   }
   static bool is_damped(const Parameters& p) { return p.relaxation > 0.0; }
   static double elastic_power(const Parameters&) { return 1.5; }
-  static double viscous_power(const Parameters&) { return 0.5; }
+  static constexpr double growth = 0.5;  ///< q of c ~ overlap^q
+  static double viscous_power(const Parameters&) { return growth; }
   static double viscous(const Parameters& p, const ContactKinematics& c) {
     const double k = 2.0 * p.modulus * std::sqrt(c.effective_radius * c.overlap);
     return c.viscous(k * p.relaxation, k);
@@ -52,7 +53,7 @@ struct KuwabaraKono {
             .stiffness = stiffness,
             .energy = 0.4 * elastic * c.overlap,
             .dashpot = dashpot,
-            .growth = Real{} + 0.5};
+            .growth = Real{} + growth};
   }
 };
 static_assert(LaneLaw<KuwabaraKono>);

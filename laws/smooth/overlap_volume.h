@@ -49,8 +49,7 @@ struct OverlapVolume {
             .elastic_force = elastic,
             .stiffness = stiffness,
             .energy = 0.5 * elastic * c.overlap,
-            .dashpot = dashpot,
-            .growth = Real{} + 0.5};
+            .dashpot = dashpot};
   }
 };
 static_assert(LaneLaw<OverlapVolume>);

@@ -88,7 +88,10 @@ struct PowerLaw {
     return out;
   }
   static double elastic_power(const Parameters& p) { return p.exponent; }
-  static double viscous_power(const Parameters& p) { return p.dashpot > 0.0 ? 0.0 : 0.5 * (p.exponent - 1.0); }
+  template <class Real>
+  EPAFI_LANES static Real viscous_power(const ParametersOf<Real>& p) {
+    return select(p.dashpot > Real{}, Real{}, 0.5 * (p.exponent - 1.0));
+  }
   static double viscous(const Parameters& p, const ContactKinematics& c) {
     const double below = p.stiffness * power_below(c.overlap, p.exponent);
     return c.viscous(p.dashpot + p.damping_ratio * std::sqrt(c.effective_mass * below), p.exponent * below);
@@ -104,7 +107,7 @@ struct PowerLaw {
             .stiffness = p.exponent * below,
             .energy = elastic * c.overlap / (p.exponent + 1.0),
             .dashpot = dashpot,
-            .growth = select(p.dashpot > Real{}, Real{}, 0.5 * (p.exponent - 1.0))};
+            .growth = viscous_power(p)};
   }
 };
 static_assert(LaneLaw<PowerLaw>);

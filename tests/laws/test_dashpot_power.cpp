@@ -1,12 +1,61 @@
-// Losses of dashpots as they are booked: finite and of the size of forces and velocities, however a contact parts.
+// Losses of dashpots as they are booked: the work on the way that bodies go, and of the size of forces and velocities
+// however a contact parts.
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <tuple>
 
 #include "laws/smooth/damper.h"
 #include "tests/support/catch.h"
+#include "tests/support/experiments.h"
 
 using namespace epafi;
+using namespace epafi::experiments;
+
+namespace {
+
+struct Booked {
+  double told, exact;  ///< over the energy of the impact
+};
+
+/// A sphere strikes a plane at 1 m/s, `gap` above it at the start. Exact: the dashpot's force in every step by the
+/// velocity that the step ends with, which is the mean of those before and after it.
+Booked impact_on_plane(const std::string& law, double elastic_power, double e, double gap, const Parameters& more) {
+  const Material glass{"glass", 2500, 1e7, 0.3};
+  Rig rig = sphere_on_plane(setup_of({law, e, 0, 0, more}, {glass}), 0.005, gap, {0, 0, -1});
+  rig.start();
+  const double dt = 1e-5;
+  double exact = 0.0;
+  for (int k = 0; k < 400; ++k) {
+    rig.step(dt);
+    const double overlap = 0.005 - rig.world.position[0].z();
+    if (!(overlap > 0.0)) continue;
+    const double spring = elastic_power * rig.work.report.elastic / overlap;
+    exact -= dt * (rig.world.force[0].z() - spring) * rig.world.velocity[0].z();
+  }
+  rig.ledger.measure(rig.world);
+  const double energy = 0.5 * rig.mass();
+  return {rig.ledger.last().losses.viscous / energy, exact / energy};
+}
+
+}  // namespace
+
+TEST_CASE("the loss told of a dashpot is its work on the way that the body goes", "[laws][smooth][energy]") {
+  const std::pair<double, double> bounds[] = {{0.9, 2e-5}, {0.6, 1e-4}, {0.3, 5e-4}, {0.1, 3e-3}};
+  const std::tuple<std::string, double, Parameters> laws[] = {
+      {"hertz", 2.5, {}},
+      {"linear", 2.0, parameters_of({{"stiffness", 1e5}})},
+      {"hunt-crossley", 2.5, parameters_of({{"reference_speed", 1.0}})},
+      {"power-law", 2.5, parameters_of({{"stiffness", 1e7}, {"exponent", 1.5}})}};
+  for (const auto& [law, power, parameters] : laws)
+    for (const auto& [e, bound] : bounds)
+      for (int phase = 0; phase < 12; ++phase) {
+        const Booked b = impact_on_plane(law, power, e, 1e-5 * phase / 12.0, parameters);
+        INFO(law << ", e " << e << ", phase " << phase);
+        CHECK(b.exact > 0.5 * (1.0 - e * e));
+        CHECK(std::abs(b.told - b.exact) < bound);
+      }
+}
 
 TEST_CASE("the loss told of a dashpot stays of the size of its forces, in contacts that part too", "[laws][smooth]") {
   std::mt19937 random(17);

@@ -206,7 +206,9 @@ TEST_CASE("the energy ledger of a heap with damping, slip and rolling closes to 
     error[fine] = std::abs(rig.ledger.relative_error());
   }
   INFO("errors " << error[0] << " " << error[1]);
-  CHECK(error[0] < 2.5e-3);  // case B02: one elastic impact alone errs by up to 5e-4 of its energy at 18 steps
+  // case B02: the springs alone err by 6e-4 here, more where the contact ends slower than it began; what the dashpots
+  // are booked with is exact to 1e-4 (test_dashpot_power.cpp)
+  CHECK(error[0] < 2.5e-3);
   CHECK(error[1] < error[0] / 3);
 }
 

@@ -433,7 +433,8 @@ TEST_CASE("what is wrong with wheels, tracks and springs is said with place and 
     return all;
   };
   using Catch::Matchers::Contains;
-  CHECK_THAT(problems("name = \"uic60\"", "name = \"uic60\""), !Contains("error"));
+  CHECK(problems("name = \"uic60\"", "name = \"uic60\"") ==
+        "scene.toml:17:1: warning: [contact.nonsmooth] is not used by method 'smooth'\n");
   CHECK_THAT(problems("name = \"uic60\"", "name = \"uic61\""),
              Contains("unknown profile 'uic61'") && Contains("uic60") && Contains("scene.toml:"));
   CHECK_THAT(problems("name = \"uic60\"", "file = \"none.csv\""), Contains("there is no file"));
