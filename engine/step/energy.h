@@ -3,8 +3,7 @@
 /// spread of the potential energy. Potential: gravity and external forces, not their parts that follow time. What
 /// position correction puts in is part of the error and shown by itself. Dissipation never falls: where contacts
 /// put in more than they took since it was last at its height, the difference is `gained`, which no term balances, so
-/// that it stays in the error. Sums over bodies
-/// depend on no order.
+/// that it stays in the error. Sums over bodies depend on no order.
 #pragma once
 #include "engine/state/state_visitor.h"
 #include "engine/state/world.h"
