@@ -254,10 +254,7 @@ class SmoothContact final : public ContactModel {
         if (locate_) t.normal = weigh_edge<Normal>(p.normal, t.at, dt, t.normal);
     }
     sums.elastic += t.normal.energy;
-    sums.viscous_power +=
-        dashpot_power(t.at.step, t.normal.force - t.normal.elastic_force, t.at.approach_velocity, t.at.middle_velocity,
-                      {t.at.overlap, t.normal.elastic_force + t.normal.adhesion, t.normal.stiffness, t.normal.dashpot,
-                       t.normal.growth});
+    sums.viscous_power += viscous_loss<Normal>(t.at, t.normal);
 
     Vec3 force = -t.normal.force * contacts.normal[i];
     if constexpr (slides) force += slide(world, contacts, t, p.tangential, dt, lag, sums);
