@@ -176,6 +176,7 @@ template <class Real>
 struct RollingStepOf {
   Real normal_stiffness, normal_force, radius;  ///< k_n [N/m], N [N], R* [m]
   Real inertia;                                 ///< I_r of the pair about the contact [kg m^2]
+  Real spin_inertia;                            ///< of the pair about the centres, 1/(1/I_a + 1/I_b) [kg m^2]
   Real spin;                                    ///< rolling velocity [rad/s], >= 0
   double dt;                                    ///< [s]
 };
