@@ -41,7 +41,8 @@ struct ResponseOf {
   Real adhesion{};       ///< the force that parts the bodies [N], >= 0: friction slides at mu (N + adhesion)
   Real lost{};           ///< to plastic deformation or adhesion since the last step [J]
   Real dashpot{};        ///< c of the viscous part of N [N s/m]; where a damped law leaves it 0, losses err by order dt
-  Real growth{};         ///< q of c ~ overlap^q, 0 to 1.5
+  Real growth{};         ///< q of c ~ overlap^q, 0 to 1.5, of a law without memory
+  Real share_before{};   ///< of a law with memory: c of the step before over c now, 0 for a new contact
 };
 using NormalResponse = ResponseOf<double>;
 
@@ -89,6 +90,15 @@ concept NormalLaw = LawPart<L> &&
     { L::respond(p, c, s, s) } -> std::same_as<NormalResponse>;
   };  ///< state before, state now
 };
+
+/// What its dashpot does to the balance of energy (laws/smooth/damper.h).
+template <class Law, class Real>
+EPAFI_LANES Real viscous_loss(const KinematicsOf<Real>& at, const ResponseOf<Real>& r) {
+  DampedContact<Real> now{r.elastic_force + r.adhesion, r.stiffness, r.dashpot, {r.share_before, Real{} + 1.0}};
+  if constexpr (!RemembersNormal<Law>)
+    now.before = dashpot_before<Real>(at.overlap, at.step.dt * at.middle_velocity, r.growth);
+  return dashpot_power<Real>(at.step, r.force - r.elastic_force, at.approach_velocity, at.middle_velocity, now);
+}
 
 /// A normal law that also evaluates several contacts at once.
 template <class L>
@@ -166,6 +176,7 @@ template <class Real>
 struct RollingStepOf {
   Real normal_stiffness, normal_force, radius;  ///< k_n [N/m], N [N], R* [m]
   Real inertia;                                 ///< I_r of the pair about the contact [kg m^2]
+  Real spin_inertia;                            ///< of the pair about the centres, 1/(1/I_a + 1/I_b) [kg m^2]
   Real spin;                                    ///< rolling velocity [rad/s], >= 0
   double dt;                                    ///< [s]
 };

@@ -12,16 +12,40 @@
 
 namespace epafi {
 
+namespace foretold {
+
+// seconds by one thread of the machine of the prices; pile/polyhedra, bed/bed, stability/*, impact/*, and settled beds
+// of 60 of each shape in smooth contact
+inline constexpr double start_of_run = 0.02;      // folder, run.h5, first and last state
+inline constexpr double output_itself = 2e-3;     // frame, snapshot, list of frames
+inline constexpr double output_body = 0.5e-6;     // a body in them
+inline constexpr double output_point = 1.2e-6;    // and a point of its surface: shapes differ by a factor of 60
+inline constexpr double smooth_sphere = 0.06e-6;  // in a packing, a step
+inline constexpr double smooth_clump = 0.5e-6;
+inline constexpr double smooth_capsule = 0.6e-6;
+inline constexpr double smooth_round = 2e-6;  // cylinder, ellipsoid
+inline constexpr double smooth_superquadric = 6e-6;
+inline constexpr double smooth_polyhedron = 3e-6;
+inline constexpr double nonsmooth_sphere = 0.5e-6;
+inline constexpr double nonsmooth_polyhedron = 5e-6;
+inline constexpr double sweep_sphere = 0.12e-6;  // with its three contacts
+inline constexpr double sweep_polyhedron = 0.16e-6;
+inline constexpr double loop_time = 0.70e-3;       // of machine_speed()
+inline constexpr double bodies_of_a_thread = 512;  // loops of fewer are not shared out
+
+}  // namespace foretold
+
 /// What a run is made of.
 struct RunCounts {
-  double steps = 0.0;      ///< of the whole run
-  double bodies = 0.0;     ///< free ones, those that come later too
-  double polyhedra = 0.0;  ///< of them: boxes, polyhedra, solids
-  double outputs = 0.0;    ///< frames and snapshots
-  double points = 0.0;     ///< of the surfaces that a frame draws, of all bodies
-  double sweeps = 0.0;     ///< of a non-smooth solver in a step of a packing; 0: smooth
-  double loose = 0.0;      ///< share of the contacts of a packing that are still to come, in [0, 1]
-  double falling = 0.0;    ///< share of the run until they have come, in [0, 1]
+  double steps = 0.0;                      ///< of the whole run
+  double bodies = 0.0;                     ///< free ones, those that come later too
+  double polyhedra = 0.0;                  ///< of them: boxes, polyhedra, solids; with a solver all that are no balls
+  double other = foretold::smooth_sphere;  ///< one of the others in a smooth packing, a step [s]
+  double outputs = 0.0;                    ///< frames and snapshots
+  double points = 0.0;                     ///< of the surfaces that a frame draws, of all bodies
+  double sweeps = 0.0;                     ///< of a non-smooth solver in a step of a packing; 0: smooth
+  double loose = 0.0;                      ///< share of the contacts of a packing that are still to come, in [0, 1]
+  double falling = 0.0;                    ///< share of the run until they have come, in [0, 1]
 };
 
 /// What the first steps took.
@@ -41,24 +65,11 @@ struct ForetoldTime {
 
 namespace foretold {
 
-// seconds by one thread of the machine of the prices; pile/polyhedra, bed/bed, stability/*, impact/*
-inline constexpr double start_of_run = 0.02;      // folder, run.h5, first and last state
-inline constexpr double output_itself = 2e-3;     // frame, snapshot, list of frames
-inline constexpr double output_body = 0.5e-6;     // a body in them
-inline constexpr double output_point = 1.2e-6;    // and a point of its surface: shapes differ by a factor of 60
-inline constexpr double smooth_sphere = 0.06e-6;  // in a packing, a step
-inline constexpr double smooth_polyhedron = 6e-6;
-inline constexpr double nonsmooth_sphere = 0.5e-6;
-inline constexpr double nonsmooth_polyhedron = 5e-6;
-inline constexpr double sweep_sphere = 0.12e-6;  // with its three contacts
-inline constexpr double sweep_polyhedron = 0.16e-6;
-inline constexpr double loop_time = 0.70e-3;  // of machine_speed()
-
 /// Of one step of all bodies in a packing.
 inline double packed_step(const RunCounts& run) {
-  const double spheres = run.bodies - run.polyhedra;
-  if (!(run.sweeps > 0.0)) return spheres * smooth_sphere + run.polyhedra * smooth_polyhedron;
-  return spheres * (nonsmooth_sphere + run.sweeps * sweep_sphere) +
+  const double others = run.bodies - run.polyhedra;
+  if (!(run.sweeps > 0.0)) return others * run.other + run.polyhedra * smooth_polyhedron;
+  return others * (nonsmooth_sphere + run.sweeps * sweep_sphere) +
          run.polyhedra * (nonsmooth_polyhedron + run.sweeps * sweep_polyhedron);
 }
 
@@ -79,6 +90,11 @@ inline double machine_speed() {
   double best = foretold::loop_seconds();
   for (int k = 0; k < 4; ++k) best = std::min(best, foretold::loop_seconds());
   return best > 0.0 ? std::clamp(foretold::loop_time / best, 0.05, 20.0) : 1.0;
+}
+
+/// By so many threads of processors that nothing else runs on.
+inline double wall_seconds(double processor, double bodies, double threads) {
+  return processor / std::clamp(bodies / foretold::bodies_of_a_thread, 1.0, std::max(1.0, threads));
 }
 
 /// Share of a run of `duration` [s] until bodies that start up to `height` [m] above the lowest lie, half of them: a

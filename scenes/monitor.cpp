@@ -88,17 +88,37 @@ void RunMonitor::watch_solver(const StepView& view) {
 /// The largest overlap so far. A contact matters to the relative one only where it would exceed it on the smallest
 /// body.
 void RunMonitor::note_overlap(const StepView& view) {
-  const ContactSet& c = view.contacts;
   const double deepest = view.report.deepest;
   totals_.overlap_max = std::max(totals_.overlap_max, deepest);
-  const double known = std::max(totals_.overlap_relative, view.report.deepest_relative);
+  const double before = totals_.overlap_relative, known = std::max(before, view.report.deepest_relative);
   totals_.overlap_relative = known;
-  if (!(deepest > known * least_radius_)) return;
-  totals_.overlap_relative = block_max<double>(c.size(), known, [&](std::size_t k) {
+  if (deepest > known * least_radius_) totals_.overlap_relative = deepest_relative(view, known);
+  if (totals_.overlap_relative > before) tell_overlap(view);
+}
+
+/// The largest overlap over the bounding radius of the smaller body, at least `known`.
+double RunMonitor::deepest_relative(const StepView& view, double known) const {
+  const ContactSet& c = view.contacts;
+  return block_max<double>(c.size(), known, [&](std::size_t k) {
     if (!(-c.gap[k] > known * least_radius_)) return 0.0;
     const std::vector<std::uint32_t>& shape = view.world.shape;
     return -c.gap[k] / std::min(shapes_.bounding_radius({shape[c.a[k]]}), shapes_.bounding_radius({shape[c.b[k]]}));
   });
+}
+
+/// Beyond half a radius a contact is none that any law or solver means: bodies end up within each other.
+void RunMonitor::tell_overlap(const StepView& view) {
+  constexpr double half = 0.5;
+  if (!(totals_.overlap_relative > half)) return;
+  char text[160];
+  std::snprintf(text, sizeof text, "bodies overlap by %.2g of the smaller one's radius; %s", totals_.overlap_relative,
+                view.report.has_solver ? "a shorter time_step or a solver that reaches its tolerance prevents it"
+                                       : "a stiffer contact (youngs_modulus, stiffness) prevents it");
+  warnings_.add({.kind = "overlap",
+                 .text = text,
+                 .first_step = view.step,
+                 .first_time = view.world.time,
+                 .value = totals_.overlap_relative});
 }
 
 void RunMonitor::look(const StepView& view) {

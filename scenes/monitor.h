@@ -82,6 +82,8 @@ class RunMonitor final : public Observer {
  private:
   void look(const StepView& view);
   void note_overlap(const StepView& view);
+  double deepest_relative(const StepView& view, double known) const;
+  void tell_overlap(const StepView& view);
   void watch_energy(const StepView& view);
   void watch_solver(const StepView& view);
   void look_at_momentum(const StepView& view);

@@ -38,6 +38,7 @@ Vec3 linear_momentum(const World& world) {
 
 void EnergyLedger::start(const World& world, const StepReport& report) {
   now_ = {};
+  most_taken_ = early_ = 0.0;
   now_.elastic = report.elastic;
   measure(world);
   start_ = now_.stored();
@@ -49,7 +50,9 @@ void EnergyLedger::add(const StepReport& report, double fall) {
   fall_ = report.has_solver ? fall : 0.0;
   now_.elastic = report.elastic;
   now_.taken += report.dissipated;
-  now_.dissipated = std::max(now_.dissipated, now_.taken);
+  most_taken_ = std::max(most_taken_, now_.taken);
+  early_ = std::max(early_, report.losses.viscous);
+  now_.dissipated = std::max(now_.taken, most_taken_ - early_);
   now_.gained = std::max(now_.gained, now_.dissipated - now_.taken);
   now_.losses += report.losses;
   now_.work += report.work;
@@ -104,6 +107,8 @@ double EnergyLedger::relative(double error) const {
 void EnergyLedger::visit(StateVisitor& v) {
   v.value("energy/now", now_);
   v.value("energy/start", start_);
+  v.value("energy/most_taken", most_taken_);
+  v.value("energy/early", early_);
   v.value("energy/largest_inner", largest_inner_);
   v.value("energy/mass", mass_);
   v.value("energy/fall", fall_);

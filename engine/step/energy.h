@@ -1,9 +1,10 @@
 /// @file energy.h  The energy ledger: what is stored, what was lost, what came in. It must close in every run.
 /// relative_error = (E(t) - E(0) + dissipated - work) / E_ref, E_ref = max over time of kinetic + elastic, plus the
 /// spread of the potential energy. Potential: gravity and external forces, not their parts that follow time. What
-/// position correction puts in is part of the error and shown by itself. Dissipation never falls: where contacts
-/// put in more than they took since it was last at its height, the difference is `gained`, which no term balances, so
-/// that it stays in the error. Sums over bodies depend on no order.
+/// position correction puts in is part of the error and shown by itself. Where contacts put in more than they took
+/// since they had taken most, the difference is `gained`, which no term balances, so that it stays in the error. Of
+/// dashpots a step books what their forces do by the velocity of its middle, and the rest when the next step knows it:
+/// what falls by less than a step has booked of them is no gain. Sums over bodies depend on no order.
 #pragma once
 #include "engine/state/state_visitor.h"
 #include "engine/state/world.h"
@@ -28,8 +29,8 @@ struct Energy {
   double dissipated = 0, work = 0;                 ///< since the start [J]
   double correction = 0;                           ///< put in by moving overlapping bodies apart, since the start [J]
   double gained = 0;                               ///< most that contacts had put in beyond what they took [J], >= 0
-  double taken = 0;  ///< by contacts, less what they put in; `dissipated` is its largest [J]
-  Losses losses;     ///< parts of `dissipated`, of smooth contact
+  double taken = 0;                                ///< by contacts, less what they put in [J]
+  Losses losses;                                   ///< parts of `dissipated`, of smooth contact
   double stored() const { return kinetic + potential + elastic; }
 };
 
@@ -64,6 +65,8 @@ class EnergyLedger {
   double relative(double error) const;
   Energy now_;
   double start_ = 0;          ///< E(0) [J]
+  double most_taken_ = 0;     ///< [J]
+  double early_ = 0;          ///< most that a step has booked of dashpots [J]
   double largest_inner_ = 0;  ///< max of kinetic + elastic [J]
   double lowest_potential_ = 0, highest_potential_ = 0;
   double mass_ = 0;  ///< of the free bodies when the energies were last measured [kg]; with impulses only

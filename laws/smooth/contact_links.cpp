@@ -128,7 +128,7 @@ StiffLink ContactLinks::link(std::uint16_t i, std::uint16_t j, const ContactKine
       slip_mobility > 0.0 ? 2.0 * sideways_damping_[pair] * std::sqrt(sideways / slip_mobility) : 0.0;
   out.across = damped_weight(sideways, dashpot, slip_mobility, dt);
   if (rolling_mobility > 0.0)
-    out.turn = rolling_(pair, {n.of_law, n.force, at.effective_radius, 1.0 / rolling_mobility, 0.0, dt});
+    out.turn = rolling_(pair, {n.of_law, n.force, at.effective_radius, 1.0 / rolling_mobility, 0.0, 0.0, dt});
   return out;
 }
 

@@ -33,37 +33,48 @@ EPAFI_LANES Velocity damper_force(const DamperStep<Real>& step, const Real& dash
   return of_late * v_late + of_middle * v_middle;
 }
 
+/// c of the step before over c now: part/whole; part 0 where there was no contact.
+template <class Real>
+struct DashpotBefore {
+  Real part{}, whole{};
+};
+
+/// Of c ~ overlap^q, `moved` = dt v_middle ago: (1 - moved/overlap)^q by Pade's quotient [1/1]: more terms cost 3 % of
+/// a step. q > 1: the quotient has a pole where the overlap was five times as deep, which `whole` keeps away from.
+template <class Real>
+EPAFI_LANES DashpotBefore<Real> dashpot_before(const Real& overlap, const Real& moved, const Real& growth) {
+  const Real half = 0.5 * moved, turned = growth * half;
+  const Real part = max(Real{}, overlap - half - turned), whole = max(overlap - half + turned, 0.5 * overlap);
+  return {select(overlap > moved, part, Real{}), whole};
+}
+
 /// Of a contact now, for the balance of energy.
 template <class Real>
 struct DampedContact {
-  Real overlap{};    ///< [m]
   Real elastic{};    ///< what its spring pushes with, and adhesion could pull [N]: no dashpot pulls with more
   Real stiffness{};  ///< [N/m]
   Real dashpot{};    ///< [N s/m]
-  Real growth{};     ///< q of c ~ overlap^q
+  DashpotBefore<Real> before{};
 };
 
 /// What a dashpot that pushes with D loses [W], such that the trapezoid of its steps is the work of D on the way that
 /// the bodies go. Sum of D_n v_n, v_n = v_middle + dt/2 a_n the velocity that step n ends with: a_n, of all contacts,
 /// is known in the next step alone, where it is (v_late - v_middle) 2/dt. So each step tells D v_middle and what the
 /// force before it still owes, D_before dt/2 a. D_before is found anew from the velocities of its step, with the
-/// dashpot of the overlap then, c (1 - y)^q by Pade's quotient [1/1]: more terms cost 3 % of a step. Contacts do not
-/// pull, so that it is at least the spring's force then. It errs by the third order in dt. Told with the velocity that
-/// the last acceleration predicts, a column of four under a load was open by 5e-3, a lone impact at e = 0.1 by 4e-2.
+/// dashpot of then. Contacts do not pull, so that it is at least the spring's force then. It errs by the third order in
+/// dt. Told with the velocity that the last acceleration predicts, a column of four under a load was open by 5e-3, a
+/// lone impact at e = 0.1 by 4e-2.
 template <class Real>
 EPAFI_LANES Real dashpot_power(const DamperStep<Real>& step, const Real& push, const Real& v_late, const Real& v_middle,
                                const DampedContact<Real>& now) {
   const Real gained = v_late - v_middle, first = v_middle - gained, before = first - gained;
-  const Real moved = step.dt * v_middle, half = 0.5 * moved, turned = now.growth * half;
-  // q > 1: the quotient has a pole where the overlap was five times as deep
-  const Real whole = max(now.overlap - half + turned, 0.5 * now.overlap);
-  const Real part = max(Real{}, now.overlap - half - turned);
+  const Real part = now.before.part, whole = now.before.whole;
   const Real lag = damper_share * (step.half_mobility * now.dashpot);
   const Real of_before = 2.0 * lag - (step.dt * step.half_mobility) * now.stiffness;
   const Real top = now.dashpot * part * ((whole - lag * part) * first + of_before * part * before);
-  const Real spring_before = max(Real{}, now.elastic - now.stiffness * moved);
+  const Real spring_before = max(Real{}, now.elastic - now.stiffness * (step.dt * v_middle));
   const Real push_before = max(top / max(whole * (whole + lag * part), Real{} + 1e-300), -spring_before);
-  return push * v_middle + select(now.overlap > moved, push_before, Real{}) * gained;
+  return push * v_middle + push_before * gained;
 }
 
 /// dt^2/4 k and what the dashpot adds to it where the contact's force alternates from step to step [kg]: a body is

@@ -254,10 +254,7 @@ class SmoothContact final : public ContactModel {
         if (locate_) t.normal = weigh_edge<Normal>(p.normal, t.at, dt, t.normal);
     }
     sums.elastic += t.normal.energy;
-    sums.viscous_power +=
-        dashpot_power(t.at.step, t.normal.force - t.normal.elastic_force, t.at.approach_velocity, t.at.middle_velocity,
-                      {t.at.overlap, t.normal.elastic_force + t.normal.adhesion, t.normal.stiffness, t.normal.dashpot,
-                       t.normal.growth});
+    sums.viscous_power += viscous_loss<Normal>(t.at, t.normal);
 
     Vec3 force = -t.normal.force * contacts.normal[i];
     if constexpr (slides) force += slide(world, contacts, t, p.tangential, dt, lag, sums);
@@ -340,9 +337,13 @@ class SmoothContact final : public ContactModel {
     Vec3 spin = middle;
     if (lag > 0.0) spin += in_plane(change_.angular[t.b] - change_.angular[t.a]);
     const double mobility = rolling_mobility(world, t.a, contacts.arm[t.i]) + rolling_mobility(world, t.b, t.arm_b);
-    const RollingStep step{t.normal.stiffness,    std::max(0.0, t.normal.force + t.normal.adhesion),
-                           t.at.effective_radius, 1.0 / mobility,
-                           spin.norm(),           dt};
+    const RollingStep step{t.normal.stiffness,
+                           std::max(0.0, t.normal.force + t.normal.adhesion),
+                           t.at.effective_radius,
+                           1.0 / mobility,
+                           spin_inertia(world, t),
+                           spin.norm(),
+                           dt};
     const double limit = Rolling::limit(p, step);
     const SlipStep turn{n, twist(world, t, n, dt), dt * middle, 0.0, 0.0};
     const FrictionResponse elastic =
@@ -365,6 +366,14 @@ class SmoothContact final : public ContactModel {
   static double rolling_mobility(const World& world, Slot s, const Vec3& arm) {
     if (!world.is_movable(s)) return 0.0;
     return 1.0 / (3.0 / world.inverse_inertia_of(s).sum() + arm.squaredNorm() / world.inverse_mass[s]);
+  }
+
+  /// 1/(1/I_a + 1/I_b), I as above.
+  static double spin_inertia(const World& world, const Touch& t) {
+    double inverse = 0.0;
+    for (const Slot s : {t.a, t.b})
+      if (world.is_movable(s)) inverse += world.inverse_inertia_of(s).sum() / 3.0;
+    return 1.0 / inverse;
   }
 
   /// Power that fixed and driven bodies put into the contact: minus the force on them times the velocity there.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "engine/state/state_snapshot.h"
 #include "engine/threads/parallel.h"
@@ -40,15 +41,34 @@ std::string meshes_text(const Assembly& a) {
   return out;
 }
 
-bool polyhedra_move(const Scene& scene) {
-  const auto is_polyhedral = [&](std::size_t shape) {
-    const std::string& type = scene.shapes[shape].type;
-    return type == "box" || type == "polyhedron" || type == "solid";
-  };
-  return std::any_of(scene.bodies.begin(), scene.bodies.end(),
-                     [&](const BodySpec& b) { return b.moves() && is_polyhedral(b.shape); }) ||
-         std::any_of(scene.fills.begin(), scene.fills.end(),
-                     [&](const FillSpec& f) { return std::any_of(f.shapes.begin(), f.shapes.end(), is_polyhedral); });
+/// What moves, by number; of fills whose number is not written, one.
+struct Movers {
+  double all = 0.0, polyhedra = 0.0, balls = 0.0;  ///< balls: spheres and clumps
+  double others = 0.0;                             ///< seconds of all but polyhedra in a smooth packing, a step
+
+  void add(const std::string& type, double number) {
+    using namespace foretold;
+    static const std::map<std::string, double> prices{
+        {"sphere", smooth_sphere},  {"clump", smooth_clump},     {"capsule", smooth_capsule},
+        {"cylinder", smooth_round}, {"ellipsoid", smooth_round}, {"superquadric", smooth_superquadric}};
+    all += number;
+    if (type == "box" || type == "polyhedron" || type == "solid") polyhedra += number;
+    if (type == "sphere" || type == "clump") balls += number;
+    if (const auto price = prices.find(type); price != prices.end()) others += number * price->second;
+  }
+};
+
+Movers movers_of(const Scene& scene) {
+  Movers out;
+  for (const BodySpec& b : scene.bodies)
+    if (b.moves()) out.add(scene.shapes[b.shape].type, 1.0);
+  for (const FillSpec& f : scene.fills) {
+    const double number = f.count ? static_cast<double>(*f.count) : 1.0;
+    const double weights = std::accumulate(f.weights.begin(), f.weights.end(), 0.0);
+    for (std::size_t k = 0; k < f.shapes.size(); ++k)
+      out.add(scene.shapes[f.shapes[k]].type, number * f.weights[k] / weights);
+  }
+  return out;
 }
 
 /// Pairs of spheres in their own loop, which may have taken over the list.
@@ -106,13 +126,14 @@ double predicted_memory(Assembly& a, std::size_t free, std::size_t later, bool p
          static_cast<double>(later) * beside * static_cast<double>(a.plan.memory.body);
 }
 
-std::string time_text(const ForetoldTime& time, double present) {
+std::string time_text(const ForetoldTime& time, const RunCounts& run, double present) {
   if (present < 0.1) return "  wall time     unknown: nearly all bodies are poured in after the first steps\n";
   return fmt::format(
       "  processor     about {:.3g} s: {:.3g} s of steps, by the first ones and the contacts to come, {:.3g} s of "
       "output\n"
       "  wall time     about {} with {} threads where nothing else runs\n",
-      time.total(), time.steps, time.output, clock_text(time.total() / thread_count()), thread_count());
+      time.total(), time.steps, time.output, clock_text(wall_seconds(time.total(), run.bodies, thread_count())),
+      thread_count());
 }
 
 /// Makes the first steps. The second half of them gives the cost of later ones, since the very first still allocate
@@ -150,16 +171,19 @@ double height_of_bodies(const World& w) {
 }
 
 /// Of the run, before its first steps; loose bodies are reported after them.
-RunCounts counts_of(const Assembly& a, double bodies, bool polyhedra) {
+RunCounts counts_of(const Assembly& a, double bodies, const Movers& movers) {
   RunCounts run;
   const double duration = static_cast<double>(a.steps) * a.time_step.value;
   run.steps = static_cast<double>(a.steps);
   run.bodies = bodies;
-  run.polyhedra = polyhedra ? bodies : 0.0;
+  const bool smooth = a.scene.contact.method.value != Method::nonsmooth;
+  const double all = std::max(1.0, movers.all), others = movers.all - movers.polyhedra;
+  run.polyhedra = bodies * (smooth ? movers.polyhedra : movers.all - movers.balls) / all;
+  if (others > 0.0) run.other = movers.others / others;
   run.outputs = std::min(run.steps, std::floor(duration / a.scene.run.output_interval.value)) + 1.0;
   // solvers that sweep stop at the tolerance in about half of the sweeps they may make
   const double most = a.scene.contact.nonsmooth.number_or("iterations", 50.0);
-  if (a.scene.contact.method.value == Method::nonsmooth) run.sweeps = 0.5 * std::clamp(most, 1.0, 100.0);
+  if (!smooth) run.sweeps = 0.5 * std::clamp(most, 1.0, 100.0);
   const World& w = a.simulation->world;
   const double e = a.scene.contact.restitution.value;  // not a number where every pair has its own
   run.falling = falling_share(height_of_bodies(w), w.gravity.norm(), duration, e >= 0.0 && e <= 1.0 ? e : 0.0);
@@ -216,7 +240,7 @@ std::string check_text(Assembly& a, const std::vector<StageCheck>& stages) {
   FirstSteps first{process_seconds()};
   Simulation& sim = *a.simulation;
   const World& w = sim.world;
-  const bool polyhedra = polyhedra_move(a.scene);
+  const Movers movers = movers_of(a.scene);
   std::vector<BodySpec>().swap(a.scene.bodies);  // as runs do
   std::size_t free = 0;
   for (Slot s = 0; s < w.size(); ++s) free += w.is_movable(s);
@@ -240,17 +264,18 @@ std::string check_text(Assembly& a, const std::vector<StageCheck>& stages) {
     out += fmt::format("  its limit     {:.4g} s{}\n", a.time_step.limit,
                        a.time_step.limit_reason.empty() ? "" : ": " + a.time_step.limit_reason);
   out += fmt::format("  steps         {}\n", a.steps);
-  RunCounts run = counts_of(a, static_cast<double>(free + later), polyhedra);
+  RunCounts run = counts_of(a, static_cast<double>(free + later), movers);
   std::optional<Failure> failure;
   with_team(
       [&] { failure = time_steps(sim, a.steps, first); });  // as runs have it: threads do not go between two steps
   if (failure) return out + "  FAILS         " + failure->kind + ": " + failure->text + "\n";
   out += fmt::format("  memory        about {:.0f} MB ({} B per body, {} B per contact)\n",
-                     1e-6 * predicted_memory(a, free + later, later, polyhedra), a.plan.memory.body,
+                     1e-6 * predicted_memory(a, free + later, later, movers.polyhedra > 0.0), a.plan.memory.body,
                      a.plan.memory.contact);
   const double gone = static_cast<double>(sim.bodies_removed());
-  run.bodies = std::max(1.0, run.bodies - gone);
-  run.polyhedra = std::min(run.polyhedra, run.bodies);
+  const double staying = std::max(1.0, run.bodies - gone);
+  run.polyhedra *= staying / std::max(1.0, run.bodies);
+  run.bodies = staying;
   run.points = drawn_points(a);
   run.loose = share_to_come(sim, run.bodies);
   first.present = (static_cast<double>(free) - gone) / run.bodies;
@@ -261,7 +286,7 @@ std::string check_text(Assembly& a, const std::vector<StageCheck>& stages) {
     time.steps += more.steps;
     time.output += more.output;
   }
-  out += time_text(time, first.present) + stages_text(a);
+  out += time_text(time, run, first.present) + stages_text(a);
   return out;
 }
 

@@ -45,6 +45,23 @@ TEST_CASE("what contacts give is a gain and stays in the error: dissipation neve
   CHECK(ledger.last().gained == Approx(0.5));  // the most that there was
 }
 
+TEST_CASE("what dashpots were booked with too early is no gain, what falls further is", "[engine][energy]") {
+  World world = resting_body(1.0);
+  EnergyLedger ledger;
+  ledger.start(world, {});
+  StepReport early = taking(1.0);
+  early.losses.viscous = 1.0;
+  ledger.add(early);
+  for (const double back : {-0.3, -0.7}) {
+    ledger.add(taking(back));
+    CHECK(ledger.last().gained == 0.0);
+  }
+  CHECK(ledger.last().dissipated == Approx(0.0).margin(1e-15));  // what the bodies have lost
+  ledger.add(taking(-0.25));
+  CHECK(ledger.last().gained == Approx(0.25));
+  CHECK(ledger.last().dissipated == Approx(0.0).margin(1e-15));
+}
+
 TEST_CASE("gains below a thousandth of one step of free fall are what solvers leave", "[engine][energy]") {
   const double mass = 3.0, fall = 0.04, noise = 1e-3 * 0.5 * mass * fall * fall;
   for (const double part : {0.5, 2.0}) {

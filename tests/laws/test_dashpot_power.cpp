@@ -5,6 +5,7 @@
 #include <random>
 #include <tuple>
 
+#include "laws/smooth/adhesion.h"
 #include "laws/smooth/damper.h"
 #include "tests/support/catch.h"
 #include "tests/support/experiments.h"
@@ -66,11 +67,61 @@ TEST_CASE("the loss told of a dashpot stays of the size of its forces, in contac
       const double dt = 1e-5, mass = 1e-3, stiffness = 1e6 * unit(random), dashpot = 3.0 * unit(random);
       const double late = v + 0.1 * (unit(random) - 0.5);
       const DamperStep<double> step{dt, 0.5 * dt / mass};
-      const DampedContact<double> now{overlap, stiffness * overlap, stiffness, dashpot, growth};
+      const DampedContact<double> now{stiffness * overlap, stiffness, dashpot, dashpot_before(overlap, dt * v, growth)};
       const double before = overlap + dt * std::abs(v);  // the deepest that the step began with
       const double most = 40.0 * dashpot * std::pow(before / overlap, std::max(1.0, growth));
       const double told = dashpot_power(step, 0.0, late, v, now);
       REQUIRE(std::isfinite(told));
       REQUIRE(std::abs(told) <= most * std::abs(late - v));
     }
+}
+
+TEST_CASE("the loss told of an adhesive contact stays of the size of its forces, in necks too", "[laws][smooth]") {
+  std::mt19937 random(18);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  const double modulus = 1e6, radius = 1e-3, mass = 1e-5, dt = 1e-5;
+  for (int k = 0; k < 200000; ++k) {
+    const double work = std::pow(10.0, -4.0 + 4.0 * unit(random));
+    const Jkr::Parameters law{modulus, 1.5 * unit(random), work, std::sqrt(2.0 * pi * work / modulus)};
+    ContactKinematics c;
+    c.effective_mass = mass;
+    c.effective_radius = radius;
+    Jkr::State before, now;
+    const double reach = Jkr::reach(law, radius), overlap = reach * (3.0 * unit(random) - 0.9);
+    c.overlap = std::max(overlap, reach * unit(random));  // a contact begins where the bodies overlap
+    Jkr::respond(law, c, {}, before);
+    c.middle_velocity = (overlap - c.overlap) / dt;
+    c.approach_velocity = c.middle_velocity + 0.1 * (unit(random) - 0.5);
+    c.overlap = overlap;
+    c.step = {dt, 0.5 * dt / mass};
+    const NormalResponse r = Jkr::respond(law, c, before, now);
+    const double deepest = 2.0 * modulus * std::max(before.root, now.root) * std::max(before.root, now.root);
+    const double dashpot = law.damping * std::sqrt(mass * deepest);
+    const double speed = std::abs(c.middle_velocity) + 2.0 * std::abs(c.approach_velocity - c.middle_velocity);
+    REQUIRE(std::abs(viscous_loss<Jkr>(c, r)) <= 40.0 * dashpot * speed * speed);
+  }
+}
+
+TEST_CASE("the balance of damped adhesive impacts closes, whether they part or stick", "[laws][smooth][energy]") {
+  std::mt19937 random(19);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  int stuck = 0;
+  for (int k = 0; k < 120; ++k) {
+    const double work = std::pow(10.0, -2.0 + 2.0 * unit(random)), speed = std::pow(10.0, -2.0 + 2.0 * unit(random));
+    const double e = 0.1 + 0.8 * unit(random), radius = 1e-3;
+    const Material soft{"soft", 2000, 5e6, 0.3};
+    const std::string law = k % 2 == 0 ? "jkr" : "dmt";
+    Rig rig = sphere_on_plane(setup_of({law, e, 0, 0, parameters_of({{"work_of_adhesion", work}})}, {soft}), radius,
+                              1e-6 * unit(random), {0, 0, -speed});
+    rig.detection->reach = 1e-4;
+    rig.start();
+    const double dt = 2e-7;
+    for (int n = 0; n < 6000; ++n) rig.step(dt);
+    rig.ledger.measure(rig.world);
+    INFO(law << ", w " << work << ", v " << speed << ", e " << e);
+    CHECK(std::abs(rig.ledger.relative_error()) < 1e-2);
+    stuck += rig.work.report.touching > 0;
+  }
+  CHECK(stuck > 10);
+  CHECK(stuck < 110);
 }

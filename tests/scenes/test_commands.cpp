@@ -150,6 +150,34 @@ TEST_CASE("output is foretold by the points that its frames draw, of the bodies 
   CHECK(most_leave < 0.4 * clumps);
 }
 
+TEST_CASE("bodies that are no balls are foretold by what their contacts cost", "[scenes][foretold]") {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "kinds.toml";
+  const auto steps = [&](const std::string& shape) {
+    std::ofstream(file) << "run = { duration = 2.0, time_step = 1e-5 }\nworld = { gravity = [0, 0, -9.81] }\n"
+                           "material.m = { density = 2500, youngs_modulus = \"1 MPa\", poissons_ratio = 0.3 }\n"
+                           "contact = { method = \"smooth\", restitution = 0.5, friction = 0 }\nshape.s = { " +
+                               shape +
+                               " }\n[[fill]]\nshape = \"s\"\nmaterial = \"m\"\ncount = 400\nregion = { box = { min "
+                               "= [0, 0, 0], max = [1, 1, 1] } }\n";
+    const std::string text = captured([&] { return command_check({file.string(), {}}); }).out;
+    const std::size_t end = text.find(" s of steps"), begin = text.rfind(' ', end - 1);
+    REQUIRE(end != std::string::npos);
+    return std::stod(text.substr(begin));
+  };
+  const double ellipsoids = steps("ellipsoid = { semi_axes = [0.01, 0.02, 0.01] }");
+  CHECK(ellipsoids > 3.0 * steps("sphere = { radius = 0.01 }"));
+  CHECK(ellipsoids > 1.5 * steps("capsule = { radius = 0.01, length = 0.01 }"));
+  CHECK(steps("superquadric = { semi_axes = [0.01, 0.02, 0.01], across = 4, along = 4 }") > 1.5 * ellipsoids);
+}
+
+TEST_CASE("loops over few bodies are not shared out over threads", "[scenes][foretold]") {
+  CHECK(wall_seconds(10.0, 60.0, 8.0) == 10.0);
+  CHECK(wall_seconds(10.0, 1024.0, 8.0) == Approx(5.0));
+  CHECK(wall_seconds(10.0, 1e6, 8.0) == Approx(1.25));
+  CHECK(wall_seconds(10.0, 1e6, 1.0) == 10.0);
+}
+
 TEST_CASE("a run whose steps were all made takes what they took, its start and its output", "[scenes][foretold]") {
   const FirstSteps first{.start = 0.5, .seconds = 2.0, .made = 100, .present = 1.0, .later = 0.1};
   RunCounts run{.steps = 100, .bodies = 10, .loose = 1.0};

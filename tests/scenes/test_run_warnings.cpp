@@ -1,5 +1,7 @@
 // What a run says of itself where its energy balance opens, and of overlaps between the looks.
+#include <cmath>
 #include <fstream>
+#include <random>
 
 #include "tests/support/captured_run.h"
 #include "tests/support/catch.h"
@@ -86,4 +88,21 @@ TEST_CASE("the largest overlap is that of all steps, and a bound on it holds in 
   RunOptions again = into(folder);
   again.force = true;
   CHECK(run_of(thrown_ball(folder, 5e-5, fast + "[bounds]\noverlap_relative = 0.09\n"), again).code == exit_bound);
+}
+
+TEST_CASE("bodies that go more than half a radius into others are told", "[scenes][warnings]") {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (int k = 0; k < 12; ++k) {
+    const TemporaryFolder folder;
+    // v/omega of an elastic impact, with what the weight adds: (g/omega^2)(1 + sqrt(1 + (v omega/g)^2))
+    const double share = k % 2 == 0 ? 0.2 + 0.28 * unit(random) : 0.52 + 0.4 * unit(random), omega = 977.2;
+    const double speed = omega * (share * 0.01 - 9.81 / (omega * omega));
+    CHECK(run_of(thrown_ball(folder, 1e-5, "velocity = [0, 0, " + std::to_string(-speed) + "]\n"), into(folder)).code ==
+          exit_done);
+    const FlatJson summary = read_json(folder / "out" / "summary.json");
+    INFO(share << ": " << summary.text("warnings.0"));
+    CHECK(summary.number("overlap.max_relative").value() == Approx(share).epsilon(0.02));
+    CHECK((summary.text("warnings.0").find("of the smaller one's radius") != std::string::npos) == (share > 0.5));
+  }
 }

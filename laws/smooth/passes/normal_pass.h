@@ -53,8 +53,7 @@ struct NormalPass {
       c.normal_stiffness = r.stiffness;
       c.grip = at_least<n>(r.force + r.adhesion, 0.0);
       if (call.lag > 0.0)
-        c.viscous = dashpot_power<V>(at.step, r.force - r.elastic_force, at.approach_velocity, at.middle_velocity,
-                                     {at.overlap, r.elastic_force + r.adhesion, r.stiffness, r.dashpot, r.growth});
+        c.viscous = viscous_loss<Law>(at, r);
       else
         c.viscous = (r.force - r.elastic_force) * at.approach_velocity;
       if (call.tells_energy) c.elastic = r.energy;
@@ -96,6 +95,7 @@ struct NormalPass {
       out.lost[l] = r.lost;
       out.dashpot[l] = r.dashpot;
       out.growth[l] = r.growth;
+      out.share_before[l] = r.share_before;
       now[l] = next;
     }
     return out;

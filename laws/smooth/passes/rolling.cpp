@@ -21,6 +21,7 @@ struct SphereRolling {
   V3 turning[size];                 ///< against each other, in the middle of the step [rad/s]
   V slip_mobility[size];            ///< [1/kg]
   V inertia[size];                  ///< about the contact [kg m^2]
+  V spin_inertia[size];             ///< about the centres [kg m^2]
   V dashpot[size];                  ///< against rolling [N m s]
   V3 friction[size], moment[size];  ///< on A [N], [N m]
   V stored[size], slipped[size];    ///< twice those of the friction springs [J]
@@ -54,12 +55,12 @@ template <int n>
 struct SphereSide {
   using V = typename LanesOf<n>::Real;
   VectorsOf<V> velocity{}, spin{}, late_spin{};  ///< velocity: at the time of the detection
-  V radius{}, slip_mobility{}, rolling_mobility{};
+  V radius{}, inverse_inertia{}, slip_mobility{}, rolling_mobility{};
 
   /// place(lane): of the sphere; normal: from it to the other one.
   template <class Place>
   EPAFI_LANES void read(const SphereArrays& with, const Place& place, const V& lever, const VectorsOf<V>& normal) {
-    V inverse_inertia, none;
+    V none;
     read_columns([&](int l) EPAFI_INLINED { return row<n>(with.state(place(l)).predicted); }, velocity.x, velocity.y,
                  velocity.z, inverse_inertia);
     read_columns([&](int l) EPAFI_INLINED { return row<n>(with.state(place(l)).spin); }, spin.x, spin.y, spin.z,
@@ -105,6 +106,7 @@ EPAFI_LANES void find_rolling(const SphereTile<n>& t, SphereRolling<n>& r, std::
   r.turning[g] = in_plane(b.spin - a.spin, normal);
   r.slip_mobility[g] = a.slip_mobility + b.slip_mobility;
   r.inertia[g] = 1.0 / (a.rolling_mobility + b.rolling_mobility);
+  r.spin_inertia[g] = 1.0 / (a.inverse_inertia + b.inverse_inertia);
 }
 
 /// Adds the moments to the sums as add_forces does the forces; of B to records where it lies in another block.
@@ -174,7 +176,7 @@ struct RollingPass {
                            const AnyRolling::ParametersOf<V>& p) const {
     typename SphereTile<n>::Group& c = t.group[g];
     const RollingStepOf<V> step{
-        c.normal_stiffness, c.grip, c.radius, r.inertia[g], sqrt(r.spin[g].dot(r.spin[g])), call.dt};
+        c.normal_stiffness, c.grip, c.radius, r.inertia[g], r.spin_inertia[g], sqrt(r.spin[g].dot(r.spin[g])), call.dt};
     r.dashpot[g] = AnyRolling::damping(p, step);
     c.stiffness = AnyRolling::stiffness(p, step);
     c.limit = AnyRolling::limit(p, step);
