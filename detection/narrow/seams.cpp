@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t most_of_free = 64;     // all pairs of them are looked at
 constexpr double level_cosine = 1.0 - 5e-9;  // stones that settle turn by 1e-6, a joint of 1e-4 stops nothing
+constexpr double most_pressed = 0.1;         // of half the least width: deeper, free bodies are in each other
 constexpr double leaning = 0.01;             // of the body's radius: far more than what counts as level
 
 ShapeRef shape_of(const World& world, Slot s) { return ShapeRef{world.shape[s]}; }
@@ -69,12 +70,15 @@ void Seams::find(const World& world) {
   flat_.resize(world.size());
   convex_.resize(world.size());
   radius_.resize(world.size());
+  thin_.resize(world.size());
   parts_.resize(world.size());
   for (Slot s = 0; s < world.size(); ++s) {
     const ShapeRef shape = shape_of(world, s);
     flat_[s] = world.is_movable(s) ? is_free_wall(shapes_, shape) : has_flat_faces(shapes_, shape);
     convex_[s] = is_convex(shapes_, shape);
     radius_[s] = shapes_.bounding_radius(shape);
+    const Aabb box = shapes_.bounding_box(shape, Pose{});
+    thin_[s] = 0.5 * (box.max - box.min).minCoeff();
     parts_[s] = part_count(shapes_, shape) > 1;
   }
   solids_ = std::ranges::count(parts_, 1) > 0;
@@ -244,7 +248,7 @@ void Seams::list_others(const World& world, const ContactSet& contacts, const Gr
 }
 
 /// Where the two touch, and stand still against each other if one is free: slower than a tenth of the body's speed or
-/// than a fall through what counts as level.
+/// than a fall through what counts as level. Free bodies that are in each other share no surface.
 void Seams::add_other(const World& world, const ContactSet& contacts, const Group& group, bool wall_is_b,
                       const Group& held) {
   const Slot wall = group.of(wall_is_b), body = group.of(!wall_is_b);
@@ -252,9 +256,11 @@ void Seams::add_other(const World& world, const ContactSet& contacts, const Grou
   const Slot slot = held.of(held_is_b);
   const bool free = world.is_movable(wall) || world.is_movable(slot);
   double level = near_of(wall, body);
-  if (free)
-    level += (free_tolerance / tolerance - 1.0) * near_of(wall, body) + std::abs(deepest_[wall] - deepest_[slot]) +
-             std::max(group.depth, held.depth);
+  if (free) {
+    const double depth = std::max(group.depth, held.depth), higher = std::abs(deepest_[wall] - deepest_[slot]);
+    if (std::max(depth, higher) > most_pressed * std::min({thin_[wall], thin_[body], thin_[slot]})) return;
+    level += (free_tolerance / tolerance - 1.0) * near_of(wall, body) + higher + depth;
+  }
   Vec3 shift = Vec3::Zero();
   if (world.cell)
     shift = centre_of_body(world, contacts, group.begin, wall_is_b) -

@@ -5,10 +5,10 @@
 /// two roofs holds it. A contact goes only where the neighbour holds the body by a normal of the union at that point:
 /// in the corner of floor and wall, which has none, both stand. Of two walls with the same normal at the same point the
 /// one of lower id keeps the contact. Walls are fixed or driven bodies, and free ones that stand still against each
-/// other (tiles on a floor, stones of an arch): those may differ in level by as much as they are pressed in there. In a
-/// periodic cell a wall that is as wide as the cell touches its own images. The convex parts of a solid, free or fixed,
-/// are one surface in the same way. A body rests on a surface of walls that move as one, or with all its parts on a
-/// wall, with four points.
+/// other (tiles on a floor, stones of an arch): those may differ in level by as much as they are pressed in there, up
+/// to a tenth of half their least width. In a periodic cell a wall that is as wide as the cell touches its own images.
+/// The convex parts of a solid, free or fixed, are one surface in the same way. A body rests on a surface of walls that
+/// move as one, or with all its parts on a wall, with four points.
 ///
 /// Limits: of closed meshes only the surface counts, not what it encloses; what a contact remembers (friction, plastic
 /// history) ends with its wall; free bodies are not joined for a body that touches more than 64, or that is held.
@@ -137,6 +137,7 @@ class Seams {
   std::vector<std::uint8_t> convex_;     ///< by slot: lies behind each of its contact planes
   std::vector<std::uint8_t> parts_;      ///< by slot: has several convex parts
   std::vector<double> radius_;           ///< by slot: of the bounding sphere [m]
+  std::vector<double> thin_;             ///< by slot: half the least width of the box around it [m]
   std::vector<double> deepest_;          ///< by slot: overlap of the contacts of free bodies [m]
   Lists of_body_;                        ///< places in groups_
   Lists level_;                          ///< of_body_, of those that may have level neighbours

@@ -186,19 +186,29 @@ bool counts_rows(const std::vector<Row>& rows) {
   return rows[0].y == std::floor(rows[0].y);
 }
 
-/// In the order of y, points that are one merged; what is wrong with them otherwise.
-std::string sort_out(std::vector<std::pair<double, double>>& points) {
+struct WrittenPoint {
+  double y, z;  ///< [m]
+  int line;
+};
+
+/// In the order of y, points that are one merged; what is wrong with them otherwise, at `line`.
+std::string sort_out(std::vector<WrittenPoint>& points, int& line) {
   if (points.size() < 4) return "a profile has at least 4 points, found " + std::to_string(points.size());
-  if (points.front().first > points.back().first) std::reverse(points.begin(), points.end());
+  const bool falls = points.front().y > points.back().y;
+  if (falls) std::reverse(points.begin(), points.end());
   // joints of zones are often written twice: points nearer than a micrometre in y are one
-  const auto one = [](const auto& a, const auto& b) {
-    return std::abs(a.first - b.first) < 1e-6 && std::abs(a.second - b.second) < 2e-6;
+  const auto one = [](const WrittenPoint& a, const WrittenPoint& b) {
+    return std::abs(a.y - b.y) < 1e-6 && std::abs(a.z - b.z) < 2e-6;
   };
   points.erase(std::unique(points.begin(), points.end(), one), points.end());
+  std::vector<std::size_t> turns;  // of two neighbours the later one in the file
   for (std::size_t k = 1; k < points.size(); ++k)
-    if (points[k].first <= points[k - 1].first + 1e-9)
-      return "point " + std::to_string(k + 1) + ": y does not increase; an undercut profile is not a function of y";
-  return "";
+    if (points[k].y <= points[k - 1].y + 1e-9) turns.push_back(falls ? k - 1 : k);
+  if (turns.empty()) return "";
+  line = points[falls ? turns.back() : turns.front()].line;
+  return "y turns back here (" + std::to_string(turns.size()) + " of " + std::to_string(points.size()) +
+         " points do): z is a function of y, so write the points in the order of y and leave out what is undercut or "
+         "scatters on an upright face";
 }
 
 }  // namespace
@@ -207,7 +217,7 @@ ProfileFile read_profile(const std::string& text) {
   ProfileFile out;
   std::istringstream in(text);
   double unit = 0.0;
-  std::vector<std::pair<double, double>> points;
+  std::vector<WrittenPoint> points;
   std::vector<Row> rows;
   bool header = true;
   for (std::string line; std::getline(in, line);) {
@@ -221,7 +231,7 @@ ProfileFile read_profile(const std::string& text) {
       out.problem = "the first line must state the unit, as in '# unit: mm'";
       return out;
     } else if (const auto row = row_of(line)) {
-      points.emplace_back(row->y * unit, row->z * unit);
+      points.push_back({row->y * unit, row->z * unit, out.line});
       rows.push_back(*row);
     } else if (header && points.empty()) {
       header = false;  // one line of column names
@@ -234,11 +244,11 @@ ProfileFile read_profile(const std::string& text) {
     out.problem = "the first column numbers the points; the first two columns are y and z: leave the numbers out";
     return out;
   }
-  out.problem = sort_out(points);
+  out.problem = sort_out(points, out.line);
   if (!out.problem.empty()) return out;
-  for (const auto& [at, height] : points) {
-    out.points.y.push_back(at);
-    out.points.z.push_back(height);
+  for (const WrittenPoint& p : points) {
+    out.points.y.push_back(p.y);
+    out.points.z.push_back(p.z);
   }
   out.line = 0;
   return out;

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "detection/profiles/wheel_rail.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;
@@ -86,6 +87,30 @@ TEST_CASE("what is wrong with a profile file is named with its line", "[detectio
   CHECK(bad.problem.find("expected two numbers") != std::string::npos);
   CHECK(read_profile("# unit: mm\n0,0\n1,0\n0.5,0\n2,1\n").problem.find("undercut") != std::string::npos);
   CHECK(read_profile("# unit: mm\n0,0\n1,0\n").problem.find("at least 4 points") != std::string::npos);
+}
+
+TEST_CASE("where y turns back in a profile file the first such line is named, in either direction",
+          "[detection][wheel_rail]") {
+  Random random(31, 0);
+  for (int draw = 0; draw < 200; ++draw) {
+    const int points = 5 + static_cast<int>(random.bits() % 60),
+              back = 2 + static_cast<int>(random.bits() % (points - 3));
+    const double way = draw % 2 == 0 ? 1.0 : -1.0;
+    std::string text = "# unit: mm\n";
+    int line = 1, expected = 0;
+    for (int k = 0; k < points; ++k) {
+      for (; random.bits() % 5 == 0; ++line) text += "# a remark\n";
+      // this point lies before the one in front of it
+      const double y = way * (k == back ? k - random.uniform(1.1, 1.9) : k);
+      text += std::to_string(y) + "," + std::to_string(0.01 * k * k) + "\n";
+      ++line;
+      if (k == back) expected = line;
+    }
+    const ProfileFile file = read_profile(text);
+    INFO("draw " << draw << "\n" << text);
+    CHECK(file.line == expected);
+    CHECK(file.problem.find("y turns back here (1 of") == 0);
+  }
 }
 
 TEST_CASE("the contact jumps on S1002 and UIC60 where it should, without chatter", "[detection][wheel_rail]") {

@@ -370,6 +370,52 @@ void add_capsules(Setting& s, Random& random) {
 
 }  // namespace
 
+TEST_CASE("free bodies that are in each other keep their contact on a floor and beside it", "[detection][seams]") {
+  // two blocks set down in the same place, or partly: what the floor holds does not hold them apart
+  Random random(41, 0);
+  for (int k = 0; k < 400; ++k) {
+    Setting s(random);
+    const Vec3 size(random.uniform(0.1, 1.0), random.uniform(0.1, 1.0), std::pow(10.0, random.uniform(-1.5, 0.5)));
+    const double share = random.uniform(0.2, 1.0), height = size.z() * random.uniform(1e-7, 1e-5);
+    const bool round = k % 3 == 2;
+    const double radius = 0.5 * size.x();
+    const Vec3 width = round ? Vec3(size.x(), size.x(), size.z()) : size;
+    if (k % 2 == 0)
+      s.add(HalfSpace(Vec3::UnitZ()), Pose{});
+    else
+      add_floor(s, 3, 0.1);
+    const auto walls = static_cast<Slot>(s.world.size());
+    for (const double side : {0.0, 1.0}) {
+      const Pose at{Vec3(side * (1.0 - share) * width.x(), 0.0, 0.5 * size.z() - height), Quat(1, 0, 0, 0)};
+      if (round)
+        s.add_body(Cylinder(radius, size.z()), at);
+      else
+        s.add_body(block(size), at);
+    }
+    PairList list;
+    list.generation = 1;
+    for (Slot wall = 0; wall < walls; ++wall)
+      for (const Slot body : {walls, static_cast<Slot>(walls + 1)}) list.pairs.push_back({wall, body});
+    list.pairs.push_back({walls, static_cast<Slot>(walls + 1)});
+    BatchNarrowPhase narrow(s.shapes, 0.0, false);
+    narrow.join_walls();
+    ContactSet found;
+    narrow.collide(s.world, list, found);
+    narrow.unite(s.world, found);
+    double deep = 0.0;
+    bool each[2] = {false, false};
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (found.a[i] == walls) deep = std::max(deep, -found.gap[i]);
+      if (found.a[i] < walls) each[found.b[i] - walls] = true;
+    }
+    INFO("draw " << k << ", size " << size.transpose() << ", share " << share);
+    CHECK(each[0]);
+    CHECK(each[1]);
+    // a block leaves along x or by its height; a cylinder along x or by its height
+    CHECK_THAT(deep, WithinAbs(std::min({share * width.x(), width.y(), width.z()}), 1e-6 * width.norm()));
+  }
+}
+
 TEST_CASE("free capsules are no walls to their neighbours: what they meet is left as it is", "[detection][seams]") {
   Random random(17, 0);
   std::size_t seen = 0;
