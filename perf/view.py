@@ -227,15 +227,15 @@ def measure_page(table, name, page, needed):
         browser.open(page.as_uri())
         table.add(f"{name}: page opens", time.monotonic() - start, "s")
         opened = browser.page_memory() / 1e6
-        table.add(f"{name}: fields of 576 with something in them", browser.value(FIELDS), "fields", "> 20")
-        table.add(f"{name}: camera turns", browser.value(TURN), "pictures/s", needed)
+        table.add(f"{name}: non-empty fields of 576", browser.value(FIELDS), "fields", "> 20")
+        table.add(f"{name}: camera turning", browser.value(TURN), "pictures/s", needed)
         if browser.value("epafi.source.frames") > 1:
-            table.add(f"{name}: time goes on", browser.value(PLAY), "frames/s", needed)
+            table.add(f"{name}: playback", browser.value(PLAY), "frames/s", needed)
         table.add(f"{name}: memory of the page, opened", opened, "MB")
         browser.value(ALL)
         table.add(f"{name}: memory of the page after all frames", browser.page_memory() / 1e6, "MB")
-        table.add(f"{name}: of it objects of the script", browser.script_memory() / 1e6, "MB")
-        table.add(f"{name}: complaints of the browser", len(browser.complaints), "", "0")
+        table.add(f"{name}: of that, script objects", browser.script_memory() / 1e6, "MB")
+        table.add(f"{name}: errors in the browser", len(browser.complaints), "", "0")
 
 
 def main():

@@ -137,11 +137,11 @@ std::string balance_text(const WatchedBalance::Finding& open, const Energy& now)
   char text[240];
   if (std::abs(open.net) > net_open || !std::isfinite(open.net))
     std::snprintf(text, sizeof text, "the energy balance is open by %.2g of the largest energy: %s", open.net,
-                  open.net > 0 ? "the bodies gained energy that nothing gave them" : "energy was lost track of");
+                  open.net > 0 ? "the bodies gained energy without a source" : "energy was lost without a record");
   else
     std::snprintf(text, sizeof text,
                   "the energy balance was open in between, by %.2g of the energy exchanged: the bodies gained %.3g J "
-                  "that nothing gave them, %.3g J were lost track of",
+                  "without a source, %.3g J were lost without a record",
                   open.share, open.gained, open.lost);
   std::string what = text;
   const double contacts = std::max(open.put_in, now.gained);

@@ -223,7 +223,7 @@ void plan_laws(const Scene& scene, const Bill& bill, bool smooth) {
   const StepPlan& plan = bill.plan;
   const ContactSettings& c = scene.contact;
   bill.pay(plan.needs.memory, smooth ? "tangential history" : "warm start",
-           smooth ? "the friction spring is carried by contact" : "impulses of the last step start the solver",
+           smooth ? "every contact keeps its friction spring" : "impulses of the last step start the solver",
            smooth ? c.friction.place : c.method.place);
   bill.pay(plan.needs.curvature, "curvature", "the law needs the radius of the contact", c.law.place);
   bill.pay(plan.needs.area, "overlap volume", "the law takes the volume of the overlap", c.law.place);
@@ -242,17 +242,18 @@ void plan_bodies(const Scene& scene, const Bill& bill, bool smooth) {
     return where != nullptr;
   };
   plan.columns.external_force = pay(find([](const BodySpec& b) { return b.force || (b.load && b.load->force); }),
-                                    "external force", "a body has a force from outside");
+                                    "external force", "a body has an external force");
   const auto timed = [](const BodySpec& b) { return b.load.has_value(); };
   const Place none{};
   if (const Place* where = find(timed); where || scene.loose_gravity)
-    bill.pay(true, "work of loads", "gravity, forces or torques that follow time, or a torque", where ? *where : none);
+    bill.pay(true, "work of loads", "gravity, forces or torques that depend on time, or a torque",
+             where ? *where : none);
   plan.columns.loose_force = find([](const BodySpec& b) { return b.load && b.load->force; }) != nullptr;
   plan.columns.external_torque = find([](const BodySpec& b) { return b.load && b.load->torque; }) != nullptr;
   plan.columns.periodic = pay(scene.cell ? &scene.cell->place : nullptr, "images",
-                              "the domain repeats: images of bodies at its faces, cells passed by each body");
+                              "the domain repeats: images of bodies at its faces, cells crossed by each body");
   const Place* servo = find([](const BodySpec& b) { return b.servo.has_value(); });
-  plan.columns.held_force = smooth && pay(servo, "force on walls", "a servo feels what it presses on");
+  plan.columns.held_force = smooth && pay(servo, "force on walls", "a servo needs the force on its wall");
   const Place* turned = find([](const BodySpec& b) { return b.servo && turns(b); });
   if (!smooth && turned != nullptr)
     throw SceneError(
@@ -260,9 +261,9 @@ void plan_bodies(const Scene& scene, const Bill& bill, bool smooth) {
         "\"smooth\"",
         *turned);
   pay(scene.run.adaptive ? &scene.run.time_step.place : nullptr, "speed of all bodies",
-      "time_step = \"adaptive\" looks at it before every step");
+      "time_step = \"adaptive\" needs it before every step");
   const Place* swift = find([](const BodySpec& b) { return b.continuous; });
-  pay(swift, "continuous", "a body is watched along its way within a step");
+  pay(swift, "continuous", "a body is watched along its path within a step");
   if (smooth && swift != nullptr)
     throw SceneError(
         "continuous = true holds bodies at impulses, a smooth law needs steps within its contact; leave it out with "
@@ -342,11 +343,10 @@ std::string explain(const Scene& scene, const StepPlan& plan, const ShapeStore& 
     const bool has_clumps =
         std::ranges::any_of(scene.shapes, [](const ShapeSpec& shape) { return balls_of_clump(shape) > 0; });
     out += fmt::format(
-        "\n spheres: a loop of their own among {}spheres{} and on fixed half-spaces, all materials; other "
-        "pairs: one by one",
+        "\n loop of spheres: contacts among {}spheres{} and with fixed half-spaces; all other pairs: generic loop",
         plan.fused_held ? "" : "free ", has_clumps ? ", balls of clumps" : "");
   } else if (!plan.without_fused_spheres.empty())
-    out += "\n spheres: one by one with all others, as there are " + plan.without_fused_spheres;
+    out += "\n loop of spheres: not used, as there are " + plan.without_fused_spheres;
   return out + "\n" + memory_text(plan.memory, shapes);
 }
 

@@ -127,7 +127,7 @@ std::unique_ptr<Session> Session::resume(std::unique_ptr<Assembly> assembly, std
   if (header.version != version())
     s->note_ +=
         (s->note_.empty() ? "" : "; ") + ("the checkpoint is of version " + header.version + ", this is " + version() +
-                                          ": from here on bits may differ from those of an uncut run");
+                                          ": from here on bits may differ from those of an uninterrupted run");
   s->first_step_ = s->assembly_->simulation->steps();
   s->first_body_steps_ = s->monitor_->body_steps();
   return s;

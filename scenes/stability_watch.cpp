@@ -147,9 +147,9 @@ Failure StabilityWatch::failure(const StepView& view, const StiffestMode& mode) 
   const std::string with = other == no_slot ? "a spring" : "'" + body_name(names_, view.world.id[other]) + "'";
   const double force_side = std::max(l.along, l.across);
   std::string text = fmt::format(
-      "the time step of {:.4g} s became unstable in step {}: the {} contacts of '{}', that with {} the stiffest "
-      "(by spring and damper {:.3g} kg), come to {:.3g} of what a step bears; a stable step is {:.4g} s or less; use "
-      "time_step = \"auto\"",
+      "the time step of {:.4g} s became unstable in step {}: the {} contacts of '{}' (the stiffest with {}, spring "
+      "and damper {:.3g} kg) reach {:.3g} of the stable limit; a stable step is {:.4g} s or less; use time_step = "
+      "\"auto\"",
       view.dt, view.step, mode.links, body_name(names_, body), with, force_side, mode.value,
       view.dt / std::max(1.0, std::sqrt(mode.value)));
   return {"unstable time step", view.step, body, std::move(text)};

@@ -119,10 +119,10 @@ void look_at_motion(const Motion& m, double arm, const std::string& name, double
   const double rate = std::abs(m.rotation_rate), swing = 2.0 * std::numbers::pi * m.oscillation_frequency;
   speed = std::max(speed, m.velocity.norm() + rate * arm + std::abs(swing * m.oscillation_amplitude));
   step.take(rate > 0.0 ? turned_angle / rate : infinity,
-            [&] { return fmt::format("{} turns by {:g} rad in it", name, turned_angle); });
+            [&] { return fmt::format("{} turns by {:g} rad per step", name, turned_angle); });
   if (m.oscillation_frequency > 0.0 && m.oscillation_amplitude != 0.0)
     step.take(1.0 / (steps_a_swing * m.oscillation_frequency),
-              [&] { return fmt::format("{:g} steps in a swing of {}", steps_a_swing, name); });
+              [&] { return fmt::format("{:g} steps per oscillation of {}", steps_a_swing, name); });
 }
 
 /// Walls that are driven, and what follows a table.
@@ -145,7 +145,7 @@ void look_at_driven(const Assembly& a, double& speed, ShortestStep& step) {
   }
   if (follows_table)
     step.take(a.scene.run.output_interval.value / 10.0,
-              [] { return "output_interval / 10: something follows a table"; });
+              [] { return "output_interval / 10: a motion or load follows a table"; });
 }
 
 void look_at_springs(const Assembly& a, ShortestStep& step) {
@@ -156,7 +156,7 @@ void look_at_springs(const Assembly& a, ShortestStep& step) {
     const double square = spring.stiffness.maxCoeff() * inverse_mass;
     if (!(square > 0.0)) continue;
     step.take(2.0 * std::numbers::pi / std::sqrt(square) / steps_a_swing,
-              [&] { return fmt::format("{:g} steps in a swing of spring '{}'", steps_a_swing, spring.name); });
+              [&] { return fmt::format("{:g} steps per oscillation of spring '{}'", steps_a_swing, spring.name); });
   }
 }
 
@@ -165,11 +165,11 @@ void look_at_cell(const Assembly& a, const FreeBodies& free, ShortestStep& step)
   const CellControl& control = a.scene.cell->control;
   const double rate = std::max(control.strain_rate.cwiseAbs().maxCoeff(), control.pressure ? control.rate_limit : 0.0);
   if (rate > 0.0)
-    step.take(strain_share / rate, [&] { return fmt::format("the cell is strained by {:g} in it", strain_share); });
+    step.take(strain_share / rate, [&] { return fmt::format("the cell strains by {:g} per step", strain_share); });
   if (!control.pressure || !std::isfinite(free.diameter)) return;
   const double pressed = *control.pressure * free.diameter * free.diameter / free.lightest;
   step.take(std::sqrt(fallen_share * free.diameter / pressed), [&] {
-    return fmt::format("the pressure moves the smallest body by {:g} of its size in it, d = {:.4g} m", fallen_share,
+    return fmt::format("the pressure moves the smallest body by {:g} of its size per step, d = {:.4g} m", fallen_share,
                        free.diameter);
   });
 }
@@ -186,20 +186,20 @@ void look_at_free_motion(const Assembly& a, const FreeBodies& free, ShortestStep
   look_at_driven(a, written, step);
   if (!std::isfinite(free.diameter)) return;
   step.take(std::sqrt(fallen_share * free.swift), [&] {
-    return fmt::format("sqrt({:g} d / g): a body falls {:g} of its size from rest in it, d = {:.4g} m", fallen_share,
-                       fallen_share, free.swift_diameter);
+    return fmt::format("sqrt({:g} d / g): a body falls from rest by {:g} of its size per step, d = {:.4g} m",
+                       fallen_share, fallen_share, free.swift_diameter);
   });
   const double height = longest_fall(a, free), fall = fall_speed(a.simulation->world.gravity.norm(), height);
   const double speed = std::max(written, fall);
   if (speed > 0.0)
     step.take(moved_share * free.diameter / speed, [&] {
       return fmt::format(
-          "d / (4 v): nothing moves further than that in it, d = {:.4g} m of the smallest body, v = {:.4g} "
+          "d / (4 v): no body moves further per step, d = {:.4g} m of the smallest body, v = {:.4g} "
           "m/s {}",
           free.diameter, speed, fall < speed ? "as written" : "of the fall from the highest body");
     });
   if (free.spin > 0.0)
-    step.take(turned_angle / free.spin, [&] { return fmt::format("bodies turn by {:g} rad in it", turned_angle); });
+    step.take(turned_angle / free.spin, [&] { return fmt::format("bodies turn by {:g} rad per step", turned_angle); });
 }
 
 }  // namespace
@@ -218,7 +218,8 @@ TimeStep nonsmooth_step(const Assembly& a) {
   look_at_cell(a, free, step);
   const Placed<double>& interval = a.scene.run.output_interval;
   step.take(interval.value, [&] {
-    return std::string(interval.written() ? "output_interval" : "a hundredth of the duration, as the snapshots");
+    return std::string(interval.written() ? "output_interval"
+                                          : "a hundredth of the duration, the interval of snapshots");
   });
   for (const MeasureSpec& m : a.scene.measures)
     if (m.interval > 0.0) step.take(m.interval, [&] { return fmt::format("interval of measure '{}'", m.name); });

@@ -23,7 +23,8 @@ const std::vector<BroadPhaseEntry>& all_broad_phases() {
   static const std::vector<BroadPhaseEntry> list{
       {{"spatial-hash", "bodies sorted into cells, one grid per size class", {}, {}, "Ericson 2005"},
        make<SpatialHash>},
-      {{"aabb-tree", "tree of boxes, refitted, rebuilt when worn", {}, {}, "van den Bergen 1997"}, make<AabbTree>},
+      {{"aabb-tree", "tree of boxes, refitted and rebuilt when degraded", {}, {}, "van den Bergen 1997"},
+       make<AabbTree>},
       {{"sweep-and-prune", "intervals sorted along one axis", {}, {}, "Cohen et al. 1995"}, make<SweepAndPrune>},
       {{"all-pairs", "every pair tested: the reference", {}, {}, ""}, make<AllPairs>},
   };

@@ -14,8 +14,7 @@ struct Clump {
   std::vector<PlacedBall> parts;                  ///< body axes
 
   static Entry entry() {
-    Field given{
-        "mass", "m", "kg", Kind::number, {}, positive, "mass; that of the union of the balls where not written"};
+    Field given{"mass", "m", "kg", Kind::number, {}, positive, "mass; default: that of the union of the balls"};
     Field moments{"inertia", "I", "kg m^2", Kind::vec3, {}, positive, "moments about the author's axes, with mass"};
     Field centre{"centre", "", "m", Kind::vec3, {}, {}, "centre of mass, with mass"};
     given.optional = moments.optional = centre.optional = true;

@@ -269,7 +269,7 @@ std::optional<Failure> Simulation::watch() {
   if (work.report.has_solver && !std::isfinite(work.report.solver.residual))
     return Failure{"non-finite state", steps_, std::nullopt,
                    "the solver's residual became non-finite in step " + std::to_string(steps_) +
-                       ": masses, impulses or speeds are beyond what numbers hold"};
+                       ": masses, impulses or speeds exceed the range of numbers"};
   if (const SolverTrouble& trouble = work.report.trouble; trouble.kind == SolverTrouble::Kind::beyond_measure)
     return Failure{"state without measure", steps_, world.id[trouble.slot], trouble.text};
   const Extent* seen = pipeline.contact_model->extent();

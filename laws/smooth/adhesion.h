@@ -9,7 +9,7 @@
 namespace epafi {
 
 inline Field adhesion_field() {
-  return {"work_of_adhesion", "w", "J/m^2", Kind::number, {}, not_negative, "energy per area to part the surfaces"};
+  return {"work_of_adhesion", "w", "J/m^2", Kind::number, {}, not_negative, "work of separation per area"};
 }
 inline Missing missing_adhesion(const MaterialPair& pair) {
   Missing out = missing_elasticity(pair);

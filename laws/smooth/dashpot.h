@@ -10,7 +10,7 @@ namespace epafi {
 /// Optional, so that one given to a law without dashpot is noticed.
 inline Field tangential_damping_field() {
   return optional_field("tangential_damping", "zeta_t", "", Kind::number, {0, 2, false, false},
-                        "damping of the tangential spring as a part of the critical; 0.3 where not written");
+                        "damping of the tangential spring over the critical; default: 0.3");
 }
 inline double tangential_damping(const MaterialPair& pair) {
   return pair.parameters.has("tangential_damping") ? pair.parameters.number("tangential_damping") : 0.3;

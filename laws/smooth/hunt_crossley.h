@@ -29,7 +29,7 @@ struct HuntCrossley {
               Kind::number,
               {},
               positive,
-              "impact speed at which the law's restitution comes out; it is larger below and smaller above"}},
+              "impact speed at which the restitution holds; it is larger below and smaller above"}},
             needs,
             source};
   }

@@ -85,7 +85,7 @@ struct RollingSpring : AnyRolling {
     return {name,
             "elastic-plastic rolling spring with dashpot (type C)",
             {{"rolling_damping", "eta_r", "", Kind::number, Value{0.3}, not_negative,
-              "damping of the rolling spring as a part of the critical"}},
+              "damping of the rolling spring over the critical"}},
             needs,
             "Ai, Chen, Rotter and Ooi 2011"};
   }

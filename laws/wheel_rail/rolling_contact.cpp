@@ -271,7 +271,7 @@ std::vector<Field> rolling_fields() {
           {"friction_decay", "B", "s/m", Kind::number, Value(0.0), not_negative,
            "how fast friction falls with slip velocity"},
           {"slowest", "", "m/s", Kind::number, Value(0.05), positive,
-           "rolling speed below which creepages are taken over this"}};
+           "smallest rolling speed that creepages are divided by"}};
 }
 
 std::unique_ptr<ContactModel> make_rolling_contact(const RollingSetup& setup, const RollingRegions& regions,

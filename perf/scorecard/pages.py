@@ -100,7 +100,7 @@ def cost_of_wasm(table):
               and ("Bullet", *rest) in cost]
     if not ratios:
         return "a native build is quicker"
-    return "Bullet, which is here as both, takes %.1f times as long there (median of %d rows, %.1f to %.1f)" % (
+    return "Bullet, which runs in both forms, takes %.1f times as long there (median of %d rows, %.1f to %.1f)" % (
         statistics.median(ratios), len(ratios), min(ratios), max(ratios))
 
 
@@ -110,9 +110,9 @@ def index(table):
     once = sum(1 for r in timed if not r["spread"])
     lines = ["# Scorecard: contact engines on the same problems", "",
              "One command (`/usr/bin/python3 perf/scorecard/run.py`, [how](../../perf/scorecard/README.md)) runs every engine at its defaults and at a few other",
-             "settings on every problem, in turns, and sets what a simulated second costs against the error. WebAssembly engines run in node and",
+             "settings on every problem, in turns, and compares the cost of a simulated second with the error. WebAssembly engines run in node and",
              "in single precision; %s." % cost_of_wasm(table),
-             "%d of %d rows were measured once (they have no spread): their times compare roughly. An" %
+             "%d of %d rows were measured once (they have no spread), so their times are rough. An" %
              (once, len(timed)),
              "engine without a row on a page has not been run on that problem.", "",
              "| problem | engines with an answer | our default: s per s | error | quickest other engine at no larger error | on the front or within twice its cost |",

@@ -127,11 +127,11 @@ double predicted_memory(Assembly& a, std::size_t free, std::size_t later, bool p
 }
 
 std::string time_text(const ForetoldTime& time, const RunCounts& run, double present) {
-  if (present < 0.1) return "  wall time     unknown: nearly all bodies are poured in after the first steps\n";
+  if (present < 0.1) return "  wall time     unknown: nearly all bodies enter after the first steps\n";
   return fmt::format(
-      "  processor     about {:.3g} s: {:.3g} s of steps, by the first ones and the contacts to come, {:.3g} s of "
+      "  processor     about {:.3g} s: {:.3g} s of steps (from the first ones and expected contacts), {:.3g} s of "
       "output\n"
-      "  wall time     about {} with {} threads where nothing else runs\n",
+      "  wall time     about {} with {} threads if nothing else runs\n",
       time.total(), time.steps, time.output, clock_text(wall_seconds(time.total(), run.bodies, thread_count())),
       thread_count());
 }
@@ -222,8 +222,8 @@ std::string stages_text(const Assembly& a) {
   const auto& stages = a.scene.stages;
   if (stages.size() < 2) return "";
   const bool open = std::ranges::any_of(stages, [](const StageSpec& s) { return s.until.has_value(); });
-  return fmt::format("  stages        {}: the steps are those of the first, the times those of all{}\n", stages.size(),
-                     open ? "; those that end by a condition last as long as they may" : "");
+  return fmt::format("  stages        {}: steps are those of the first stage, times those of all{}\n", stages.size(),
+                     open ? "; stages that end by a condition count with at_most" : "");
 }
 
 /// Bodies that sources have still to bring in.

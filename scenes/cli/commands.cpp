@@ -158,7 +158,7 @@ void note_thinned(const Assembly& assembly) {
     std::fputs(memory_message, stderr);
   } catch (const std::exception& e) {
     std::fprintf(stderr,
-                 "epafi: stopped by an internal error: %s; checkpoints stand; please report it with the scene\n",
+                 "epafi: stopped by an internal error: %s; checkpoints are kept; please report it with the scene\n",
                  e.what());
   } catch (...) {
     std::fputs("epafi: stopped by an internal error\n", stderr);

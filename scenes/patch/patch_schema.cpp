@@ -55,28 +55,28 @@ std::vector<Field> patch_fields() {
              with_default(number("lateral", "eta", "", any_number, "along y"), 0.0),
              with_default(number("spin", "phi", "1/m", any_number, "about the normal"), 0.0)}),
       number("distance", "s", "m", positive,
-             "rolled since rest (half-space-start); creepage times it is the shift of half-space-shift; the length of "
-             "the patch where not written"),
+             "distance rolled from rest (half-space-start); times creepage: the shift of half-space-shift; default: "
+             "the length of the patch"),
       normal,
       words("tangential", "tangential models", any, names(all_tangential_models())),
       table(
-          "grid", "cells; the shorter axis has 32 where not written",
+          "grid", "cells; default: 32 along the shorter axis",
           {needed(number("dx", "dx", "m", positive, "along x")), needed(number("dy", "dy", "m", positive, "along y"))}),
-      table("influence", "of regions that lie apart on each other, by the distance between their edges",
-            {with_default(infinite(number("full", "", "m", not_negative, "up to here as of one half-space")), 4e-3),
-             with_default(infinite(number("none", "", "m", not_negative, "from here on none")), 8e-3)}),
+      table(
+          "influence", "influence of separate regions on each other, by the distance between their edges",
+          {with_default(infinite(number("full", "", "m", not_negative, "full influence up to this distance")), 4e-3),
+           with_default(infinite(number("none", "", "m", not_negative, "no influence from this distance on")), 8e-3)}),
       with_default(number("penalty", "epsilon_N / (E* a)", "", positive,
                           "stiffness of a node of fem-penalty and fem-augmented over E* a"),
                    100.0),
       with_default(number("lateral_shift", "y", "m", any_number, "of the wheelset to the right"), 0.0),
       with_default(number("yaw", "psi", "rad", {-0.2, 0.2}, "of the wheelset, x towards y"), 0.0),
       number("roll", "phi", "rad", {-0.2, 0.2},
-             "of the wheelset, y towards z; from the contact of both wheels where not written"),
+             "of the wheelset, y towards z; default: from the contact of both wheels"),
       with_default(number("gauge", "", "m", positive, "between the rails' gauge faces, 14 mm below their top"), 1.435),
       with_default(number("flange_back", "", "m", positive, "between the wheels' inner faces"), 1.36),
       with_default(number("tape_circle", "", "m", positive, "from the wheel's inner face to the tape circle"), 0.07),
-      number("rolling_radius", "", "m", positive,
-             "speed over angular velocity; the mean of both wheels where not written"),
+      number("rolling_radius", "", "m", positive, "speed over angular velocity; default: the mean of both wheels"),
       side_field(),
       words("materials", "those of the two bodies", two, {})};
 }

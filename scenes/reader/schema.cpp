@@ -26,20 +26,20 @@ TableSchema run_table(const Registry& registry) {
   Field step =
       with_default(optional("time_step", "dt", "s", Kind::number, positive, "time step"), Value(std::string("auto")));
   step.choices = {"auto", "adaptive"};
-  Field scheme = word("scheme", "time scheme; follows from the method where not written", names_of(registry.schemes));
+  Field scheme = word("scheme", "time scheme; default: that of the method", names_of(registry.schemes));
   scheme.optional = true;
-  return {"run",
-          TableSchema::Form::single,
-          "time: how long and in which steps",
-          {required("duration", "T", "s", Kind::number, positive, "simulated time"), step, scheme,
-           with_default(required("allow_unstable", "", "", Kind::boolean, {},
-                                 "takes a time step above the limit instead of refusing it, to see where it fails"),
-                        Value(false)),
-           optional("output_interval", "", "s", Kind::number, positive,
-                    "time between snapshots; duration / 100 where not written"),
-           optional("checkpoint_interval", "", "s", Kind::number, positive,
-                    "time between checkpoints; only at the end where not written"),
-           with_default(required("seed", "", "", Kind::integer, seeds, "seed of all random numbers"), Value(1.0))}};
+  return {
+      "run",
+      TableSchema::Form::single,
+      "time: how long and in which steps",
+      {required("duration", "T", "s", Kind::number, positive, "simulated time"), step, scheme,
+       with_default(required("allow_unstable", "", "", Kind::boolean, {},
+                             "accepts a time step above the limit, to see where it fails"),
+                    Value(false)),
+       optional("output_interval", "", "s", Kind::number, positive, "time between snapshots; default: duration / 100"),
+       optional("checkpoint_interval", "", "s", Kind::number, positive,
+                "time between checkpoints; default: one at the end"),
+       with_default(required("seed", "", "", Kind::integer, seeds, "seed of all random numbers"), Value(1.0))}};
 }
 
 TableSchema world_table() {
@@ -48,17 +48,18 @@ TableSchema world_table() {
   std::vector<Field> domain{
       required("min", "", "m", Kind::vec3, {}, "lower corner"),
       required("max", "", "m", Kind::vec3, {}, "upper corner"),
-      with_default(word("outside", "what leaving it does; to delete, every 100th step looks (20th with impulses)",
-                        {"error", "delete"}),
-                   Value(std::string("error"))),
+      with_default(
+          word("outside", "what happens to bodies outside; delete acts every 100th step (20th with non-smooth contact)",
+               {"error", "delete"}),
+          Value(std::string("error"))),
       axes,
-      optional("strain_rate", "", "1/s", Kind::vec3, {}, "of the periodic axes, extension positive"),
+      optional("strain_rate", "", "1/s", Kind::vec3, {}, "strain rate of the periodic axes, extension positive"),
       optional("pressure", "p", "Pa", Kind::number, positive, "the periodic axes strain towards this contact stress"),
       optional("first_pressure", "p_0", "Pa", Kind::number, positive,
-               "the pressure begins with this and goes geometrically to `pressure` until pressure_time"),
-      optional("pressure_time", "", "s", Kind::number, positive, "when first_pressure has become `pressure`"),
+               "first pressure; changes geometrically to `pressure` until pressure_time"),
+      optional("pressure_time", "", "s", Kind::number, positive, "time at which `pressure` is reached"),
       optional("rate_limit", "", "1/s", Kind::number, positive,
-               "largest strain rate with pressure; 1e-3 of sqrt(p/rho)/d of the largest body where not written")};
+               "largest strain rate with pressure; default: 1e-3 sqrt(p/rho)/d of the largest body")};
   return {"world",
           TableSchema::Form::single,
           "what surrounds the bodies",
@@ -83,16 +84,15 @@ void add_contact_tables(std::vector<TableSchema>& all, const Registry& registry)
   const std::vector<Field> parts{tables("smooth", "law of smooth contact"),
                                  tables("nonsmooth", "solver of non-smooth contact"),
                                  tables("wheel_rail", "laws of wheels that roll on rails, with smooth contact"),
-                                 tables("pair", "what differs for one pair of materials")};
+                                 tables("pair", "values that differ for one pair of materials")};
   all.push_back(
       {"contact", TableSchema::Form::single, "how bodies act on each other", methods + pair_values() + parts});
   Field tangential =
-      word("tangential", "law of friction; the law's own where not written", names_of(registry.tangential_laws));
-  Field rolling =
-      word("rolling", "law of rolling friction; the default one where not written", names_of(registry.rolling_laws));
+      word("tangential", "law of friction; default: that of the normal law", names_of(registry.tangential_laws));
+  Field rolling = word("rolling", "law of rolling friction; default: spring", names_of(registry.rolling_laws));
   tangential.optional = rolling.optional = true;
   Field locate = required("locate_edges", "", "", Kind::boolean, {},
-                          "start and end of a contact count for the part of the time step that they take");
+                          "weights the first and last sample of a contact by the part of the time step that it covers");
   locate.default_value = Value(false);
   const Field law = choice("law", "law of the normal force", names_of(registry.normal_laws), "hertz-mindlin");
   all.push_back({"contact.smooth", TableSchema::Form::single, "law of smooth contact with its parameters",
@@ -104,7 +104,7 @@ void add_contact_tables(std::vector<TableSchema>& all, const Registry& registry)
   all.push_back({"contact.wheel_rail", TableSchema::Form::single,
                  "normal and tangential model of wheels on rails, with smooth contact", registry.rolling_fields});
   Field between = required("between", "", "", Kind::texts, {2, 2}, "the two materials");
-  all.push_back({"contact.pair", TableSchema::Form::list, "what differs for one pair of materials",
+  all.push_back({"contact.pair", TableSchema::Form::list, "values that differ for one pair of materials",
                  std::vector<Field>{between} + pair_values() + smooth_fields(registry)});
 }
 
@@ -132,22 +132,21 @@ std::vector<Field> servo_fields() {
       optional("force", "F", "N", Kind::number, positive, "force to press with, or stress and area"),
       optional("stress", "", "Pa", Kind::number, positive, "stress to press with"),
       optional("area", "", "m^2", Kind::number, positive, "area that the stress acts on"),
-      optional("direction", "", "", Kind::vec3, {},
-               "it presses along this, any length; with gravity where not written"),
+      optional("direction", "", "", Kind::vec3, {}, "direction of the force, any length; default: gravity"),
       optional("mass", "m", "kg", Kind::number, positive,
-               "inertia of the wall; the body's own where not written; not with gains"),
+               "inertia of the wall; default: that of the body; not with gains"),
       optional("gains", "", "", Kind::numbers, {},
                "proportional [m/(N s)] and integral [m/(N s^2)] of a PI loop, which carries the force while it moves"),
       optional("max_speed", "v", "m/s", Kind::number, positive,
-               "speed without resistance; sqrt(F d/m) where not written, d the smallest free body's diameter")};
+               "speed without resistance; default: sqrt(F d/m), d the diameter of the smallest free body")};
 }
 
 std::vector<Field> motion_fields() {
   std::vector<Field> rotation{
       required("axis", "", "", Kind::vec3, {}, "axis, any length"),
       required("rate", "omega", "rad/s", Kind::number, {}, "angular velocity about the axis"),
-      optional("about", "", "m", Kind::vec3, {}, "a point of the axis; the body's centre where not written")};
-  Field of = word("of", "what the table is of", {"displacement", "velocity", "acceleration"});
+      optional("about", "", "m", Kind::vec3, {}, "a point of the axis; default: the body's centre")};
+  Field of = word("of", "quantity of the table", {"displacement", "velocity", "acceleration"});
   of.optional = true;
   std::vector<Field> oscillation{required("direction", "", "", Kind::vec3, {}, "direction, any length"),
                                  required("amplitude", "a", "m", Kind::number, {}, "amplitude a of a sin(2 pi f t)"),
@@ -155,18 +154,18 @@ std::vector<Field> motion_fields() {
   return std::vector<Field>{
              with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "constant velocity"), Value(zero)),
              with_default(required("from", "", "s", Kind::number, not_negative, "begin"), Value(0.0)),
-             optional("until", "", "s", Kind::number, positive, "end; the end of the run where not written"),
+             optional("until", "", "s", Kind::number, positive, "end; default: the end of the run"),
              table("rotation", "turning about an axis", std::move(rotation)),
              table("oscillation", "swinging along a line", std::move(oscillation)),
              table("servo", "pressing with a given force", servo_fields()),
              of,
              with_default(word("baseline",
-                               "drift that is taken out, so that the way ends where it began and at rest; "
-                               "quadratic: its mean displacement is 0 too",
+                               "drift that is removed, so that the path ends at its start and at rest; quadratic: its "
+                               "mean displacement is also 0",
                                {"none", "linear", "quadratic"}),
                           Value(std::string("none"))),
              with_default(
-                 required("repeats", "", "", Kind::number, {1, largest_integer}, "how often the table is run through"),
+                 required("repeats", "", "", Kind::number, {1, largest_integer}, "how often the table is repeated"),
                  Value(1.0))} +
          time_table_fields();
 }
@@ -174,12 +173,11 @@ std::vector<Field> motion_fields() {
 Field repeat_field(const char* help) { return optional("repeat", "", "", Kind::integers, whole_positive, help); }
 
 Field place_field() {
-  return with_default(
-      word("place",
-           "position is that of the centre of mass, or of the origin of file or corners; meshes and planes that do not "
-           "move stand as drawn",
-           {"centre", "as-drawn"}),
-      Value(std::string("centre")));
+  return with_default(word("place",
+                           "what position refers to: the centre of mass, or the origin of its file or corners; fixed "
+                           "meshes and planes are always as-drawn",
+                           {"centre", "as-drawn"}),
+                      Value(std::string("centre")));
 }
 
 Field motion_field() {
@@ -188,7 +186,9 @@ Field motion_field() {
   return field;
 }
 
-Field group_field() { return optional("group", "", "", Kind::text, {}, "a name that it shares with other bodies"); }
+Field group_field() {
+  return optional("group", "", "", Kind::text, {}, "name of a group of bodies that it belongs to");
+}
 
 TableSchema body_table() {
   return {
@@ -201,15 +201,15 @@ TableSchema body_table() {
        text("material", "a name under [material.*]"),
        with_default(required("fixed", "", "", Kind::boolean, {}, "never moves"), Value(false)),
        with_default(required("continuous", "", "", Kind::boolean, {},
-                             "held back from passing through other bodies within a step; non-smooth contact only"),
+                             "cannot pass through other bodies within a step; non-smooth contact only"),
                     Value(false)),
-       with_default(
-           required("on_rails", "", "", Kind::boolean, {},
-                    "a wheelset starts on the rails, pressed in by its load: height and roll are found, the rest of "
-                    "position and orientation is as written"),
-           Value(false)),
-       with_default(required("position", "x", "m", Kind::vec3, {}, "of what `place` says"), Value(zero)), place_field(),
-       optional("orientation", "q", "", Kind::quaternion, {}, "unit quaternion w x y z"),
+       with_default(required("on_rails", "", "", Kind::boolean, {},
+                             "a wheelset starts on the rails under its load: height and roll are found, the rest of "
+                             "position and orientation is as written"),
+                    Value(false)),
+       with_default(required("position", "x", "m", Kind::vec3, {}, "position of the point that `place` names"),
+                    Value(zero)),
+       place_field(), optional("orientation", "q", "", Kind::quaternion, {}, "unit quaternion w x y z"),
        optional("euler_deg", "", "", Kind::vec3, {},
                 "roll, pitch, yaw in degrees: about x, then y, then z of the world"),
        with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity"), Value(zero)),
@@ -218,7 +218,7 @@ TableSchema body_table() {
        with_default(required("force", "F", "N", Kind::load, {}, "external force"), Value(zero)),
        with_default(required("torque", "M", "N m", Kind::load, {}, "external torque in world axes"), Value(zero)),
        motion_field(), group_field(),
-       optional("remove_at", "", "s", Kind::number, not_negative, "time at which the body is taken out")}};
+       optional("remove_at", "", "s", Kind::number, not_negative, "time at which the body is removed")}};
 }
 
 TableSchema bodies_table() {
@@ -239,9 +239,9 @@ TableSchema bodies_table() {
            "names of the table's columns in their order, with units where not SI, as \"x[mm]\"; \"-\" passes one over"),
        optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
        optional("material", "", "", Kind::text, {}, "a name under [material.*] for rows that name none"),
-       optional("shape", "", "", Kind::shape, {}, "the shape of rows that give none"), place_field(),
+       optional("shape", "", "", Kind::shape, {}, "shape of rows that name none"), place_field(),
        with_default(required("jitter", "", "m", Kind::number, not_negative,
-                             "each is displaced by chance (run.seed), at most this far along every axis"),
+                             "largest random displacement along every axis (run.seed)"),
                     Value(0.0)),
        with_default(required("fixed", "", "", Kind::boolean, {}, "never move"), Value(false))}};
 }
@@ -249,9 +249,9 @@ TableSchema bodies_table() {
 TableSchema fill_table() {
   const std::vector<Field> size{
       word("distribution", "how sizes are distributed", {"uniform", "normal", "lognormal", "table"}),
-      optional("min", "", "", Kind::number, positive, "smallest factor; 3 deviations below where not written"),
-      optional("max", "", "", Kind::number, positive, "largest factor; 3 deviations above where not written"),
-      optional("mean", "", "", Kind::number, positive, "mean of normal and lognormal; 1 where not written"),
+      optional("min", "", "", Kind::number, positive, "smallest factor; default: 3 deviations below"),
+      optional("max", "", "", Kind::number, positive, "largest factor; default: 3 deviations above"),
+      optional("mean", "", "", Kind::number, positive, "mean of normal and lognormal; default: 1"),
       optional("deviation", "", "", Kind::number, positive, "standard deviation of normal and lognormal"),
       optional("values", "", "", Kind::numbers, positive, "table: factors"),
       optional("shares", "", "", Kind::numbers, positive, "table: how often each of the factors occurs"),
@@ -259,36 +259,34 @@ TableSchema fill_table() {
                    Value(std::string("number")))};
   Field full = word("until", "fills the region", {"full"});
   full.optional = true;
-  return {
-      "fill",
-      TableSchema::Form::list,
-      "many bodies placed in a region; exactly one of count, mass, until",
-      {optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
-       required("shape", "", "", Kind::texts, {1, infinity}, "names under [shape.*]"),
-       optional("weights", "", "", Kind::numbers, positive, "how often each shape is taken"), group_field(),
-       table("size", "factor of the shape's size", size), text("material", "a name under [material.*]"),
-       optional("count", "n", "", Kind::integer, whole_positive, "number of bodies"),
-       optional("mass", "m", "kg", Kind::number, positive, "mass of all bodies"), full,
-       needed(table("region", "where the bodies are placed", region_box())),
-       with_default(word("method", "how the bodies are placed", {"lattice", "random", "pour"}),
-                    Value(std::string("lattice"))),
-       optional("rate", "", "1/s", Kind::number, positive, "pour: bodies per second"),
-       optional("mass_rate", "", "kg/s", Kind::number, positive, "pour: mass per second"),
-       with_default(required("from", "", "s", Kind::number, not_negative, "pour: begin"), Value(0.0)),
-       optional("seed", "", "", Kind::integer, seeds, "seed; that of [run] where not written"),
-       with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity of all bodies"), Value(zero)),
-       with_default(
-           required("velocity_deviation", "", "m/s", Kind::number, not_negative,
-                    "standard deviation of each component of a body's own velocity, without momentum in all: a gas"),
-           Value(0.0))}};
+  return {"fill",
+          TableSchema::Form::list,
+          "many bodies placed in a region; exactly one of count, mass, until",
+          {optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
+           required("shape", "", "", Kind::texts, {1, infinity}, "names under [shape.*]"),
+           optional("weights", "", "", Kind::numbers, positive, "how often each shape is taken"), group_field(),
+           table("size", "factor of the shape's size", size), text("material", "a name under [material.*]"),
+           optional("count", "n", "", Kind::integer, whole_positive, "number of bodies"),
+           optional("mass", "m", "kg", Kind::number, positive, "mass of all bodies"), full,
+           needed(table("region", "where the bodies are placed", region_box())),
+           with_default(word("method", "how the bodies are placed", {"lattice", "random", "pour"}),
+                        Value(std::string("lattice"))),
+           optional("rate", "", "1/s", Kind::number, positive, "pour: bodies per second"),
+           optional("mass_rate", "", "kg/s", Kind::number, positive, "pour: mass per second"),
+           with_default(required("from", "", "s", Kind::number, not_negative, "pour: begin"), Value(0.0)),
+           optional("seed", "", "", Kind::integer, seeds, "seed; default: that of [run]"),
+           with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity of all bodies"), Value(zero)),
+           with_default(required("velocity_deviation", "", "m/s", Kind::number, not_negative,
+                                 "standard deviation of each component of random velocities, with no total momentum"),
+                        Value(0.0))}};
 }
 
 TableSchema outlet_table() {
   return {"outlet",
           TableSchema::Form::list,
-          "takes out and counts the bodies whose centres come into a region",
-          {optional("name", "", "", Kind::text, {}, "name; outlet where not written"),
-           needed(table("region", "where bodies are taken out", region_box()))}};
+          "removes and counts bodies whose centres enter a region",
+          {optional("name", "", "", Kind::text, {}, "name; default: outlet"),
+           needed(table("region", "where bodies are removed", region_box()))}};
 }
 
 TableSchema spring_table() {
@@ -300,44 +298,43 @@ TableSchema spring_table() {
           "spring and damper between a body and another, or a frame that moves along the track (or along x)",
           {optional("name", "", "", Kind::text, {}, "name"),
            repeat_field("number of copies n (index i) or [l, m, n]; a body's name may be \"ball[i + 1]\""),
-           text("body", "the body it holds"),
-           optional("to", "", "", Kind::text, {}, "the body at its far end; a frame where not written"),
-           optional("speed", "V", "m/s", Kind::number, any_number,
-                    "of the frame along the way; 0, standing still, where not written"),
-           vector("attachment", "", "m", any_number, "in the axes of the body"),
+           text("body", "body at one end"),
+           optional("to", "", "", Kind::text, {}, "body at the far end; default: a moving frame"),
+           optional("speed", "V", "m/s", Kind::number, any_number, "speed of the frame along the track; default: 0"),
+           vector("attachment", "", "m", any_number, "point of the body, in its axes"),
            vector("stiffness", "k", "N/m", not_negative, "along the axes of the far end"),
            vector("damping", "c", "N s/m", not_negative, "along the axes of the far end"),
-           vector("preload", "F", "N", any_number, "force on the body as the scene starts")}};
+           vector("preload", "F", "N", any_number, "force on the body at the start")}};
 }
 
 TableSchema measure_table(const Registry& registry) {
-  return {"measure", TableSchema::Form::list, "a quantity written to measures.csv",
-          std::vector<Field>{
-              optional("name", "", "", Kind::text, {}, "name; the kind where not written"),
-              repeat_field("number of copies n (index i) or [l, m, n]; a body's name may be \"ball[i]\""),
-              word("kind", "what is measured", names_of(registry.measures)),
-              optional("interval", "", "s", Kind::number, not_negative,
-                       "time between values; 0 is every step; where not written, every step is evaluated and "
-                       "10 000 at most are written"),
-              optional("group", "", "", Kind::text, {}, "name of a group of bodies, in place of body")} +
-              as_optional(united_fields(registry.measures))};
+  return {
+      "measure", TableSchema::Form::list, "a quantity written to measures.csv",
+      std::vector<Field>{
+          optional("name", "", "", Kind::text, {}, "name; default: the kind"),
+          repeat_field("number of copies n (index i) or [l, m, n]; a body's name may be \"ball[i]\""),
+          word("kind", "what is measured", names_of(registry.measures)),
+          optional("interval", "", "s", Kind::number, not_negative,
+                   "time between values; 0: every step; default: every step is evaluated, at most 10 000 are written"),
+          optional("group", "", "", Kind::text, {}, "name of a group of bodies, in place of body")} +
+          as_optional(united_fields(registry.measures))};
 }
 
 TableSchema view_table() {
   Field camera = table(
-      "camera", "where it is seen from: one of these words, or a place",
-      {required("from", "", "m", Kind::vec3, {}, "the eye"),
-       optional("to", "", "m", Kind::vec3, {}, "what it looks at; the middle where not written"),
-       optional("up", "", "", Kind::vec3, {}, "upwards in the picture; against gravity where not written"),
-       with_default(required("angle_deg", "", "deg", Kind::number, {1, 170}, "height of the picture"), Value(30.0))});
+      "camera", "viewpoint: one of these words, or a table",
+      {required("from", "", "m", Kind::vec3, {}, "position of the camera"),
+       optional("to", "", "m", Kind::vec3, {}, "point that the camera looks at; default: the middle"),
+       optional("up", "", "", Kind::vec3, {}, "upward direction of the picture; default: against gravity"),
+       with_default(required("angle_deg", "", "deg", Kind::number, {1, 170}, "vertical angle of view"), Value(30.0))});
   for (const auto& [name, direction] : camera_presets()) camera.choices.push_back(name);
-  Field field = word("field", "what colours the bodies", view_field_names());
+  Field field = word("field", "quantity that colours the bodies", view_field_names());
   field.optional = true;
-  return {
-      "view",
-      TableSchema::Form::single,
-      "how a run is looked at by `epafi view`, `render` and `report`",
-      {camera, field, optional("range", "", "", Kind::numbers, {}, "least and largest value of the colours, in SI")}};
+  return {"view",
+          TableSchema::Form::single,
+          "camera and colours of `epafi view`, `render` and `report`",
+          {camera, field,
+           optional("range", "", "", Kind::numbers, {}, "smallest and largest value of the colours, in SI")}};
 }
 
 }  // namespace
@@ -371,22 +368,22 @@ SceneSchema make_schema(const Registry& registry) {
   all.push_back(
       {"bounds", Form::single, "watched during the run; a violation ends it with exit code 1", bound_fields(true)});
   all.push_back(bounds_measure_table());
-  all.push_back({"accuracy", Form::single, "what this scene needs", bound_fields(false)});
+  all.push_back({"accuracy", Form::single, "accuracy that this scene needs", bound_fields(false)});
   all.push_back({"sweep", Form::free, "key paths and lists of values for `epafi sweep`", {}});
   all.push_back(
       {"benchmark",
        Form::single,
        "the scene is also a benchmark",
-       {tables("sizes", "key paths and lists of values"), text("error", "the error that stands beside the time")}});
+       {tables("sizes", "key paths and lists of values"), text("error", "error that is printed beside the time")}});
   all.push_back({"benchmark.sizes", Form::free, "key paths and lists of values", {}});
-  all.push_back({"output",
-                 Form::single,
-                 "what else is written",
-                 {table("problems", "contact problems for `epafi solve`",
-                        {required("every", "", "s", Kind::number, positive, "time between problems")}),
-                  with_default(required("orientation", "", "", Kind::boolean, {},
-                                        "orientations of spheres too, which otherwise need none"),
-                               Value(false))}});
+  all.push_back(
+      {"output",
+       Form::single,
+       "additional output",
+       {table("problems", "contact problems for `epafi solve`",
+              {required("every", "", "s", Kind::number, positive, "time between problems")}),
+        with_default(required("orientation", "", "", Kind::boolean, {}, "also writes orientations of spheres"),
+                     Value(false))}});
   all.push_back(view_table());
   return schema;
 }
@@ -433,16 +430,15 @@ std::vector<Field> authoring_fields(const Entry& shape) {
   const Field unit =
       with_default(text("unit", "of the numbers in the file: m, mm, cm, um, in"), Value(std::string("m")));
   if (shape.name == "mesh")
-    return {
-        text("file", "surface as STL, OBJ or PLY"), unit,
-        choice("tree", "boxes that find its triangles; obb: for thin parts that lie askew", {"aabb", "obb"}, "aabb")};
+    return {text("file", "surface as STL, OBJ or PLY"), unit,
+            choice("tree", "bounding boxes of its triangles; obb suits thin oblique parts", {"aabb", "obb"}, "aabb")};
   if (shape.name == "solid") return {text("file", "closed surface as STL, OBJ or PLY"), unit};
   if (shape.name != "polyhedron") return shape.fields;
   Field file = text("file", "corners from OBJ, STL or PLY; their hull is taken");
   file.optional = true;
   const Range corners{4, 1000};
   return {file, unit, optional("vertices", "", "m", Kind::vectors, {}, "corners; their hull is taken"),
-          table("random", "corners by chance on a sphere",
+          table("random", "random corners on a sphere",
                 {required("vertices", "", "", Kind::integer, corners, "number of corners"),
                  with_default(required("seed", "", "", Kind::integer, seeds, "seed"), Value(1.0))})};
 }

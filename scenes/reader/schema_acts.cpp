@@ -13,43 +13,42 @@ std::vector<Field> region_box() {
 namespace {
 /// What a value of a measure must do.
 std::vector<Field> condition_fields() {
-  return {text("measure", "name of a measure"), text("component", "of the measure"),
-          optional("above", "", "", Kind::number, {}, "it is above this"),
-          optional("below", "", "", Kind::number, {}, "it is below this"),
-          with_default(required("for", "", "s", Kind::number, not_negative, "without a break"), Value(0.0))};
+  return {text("measure", "name of a measure"), text("component", "component of the measure"),
+          optional("above", "", "", Kind::number, {}, "the value is above this"),
+          optional("below", "", "", Kind::number, {}, "the value is below this"),
+          with_default(required("for", "", "s", Kind::number, not_negative, "for at least this time"), Value(0.0))};
 }
 
 }  // namespace
 
 TableSchema stage_table() {
-  auto until = condition_fields() + std::vector<Field>{required("at_most", "", "s", Kind::number, positive,
-                                                                "longest time; what ends there did not meet it")};
+  auto until = condition_fields() +
+               std::vector<Field>{required("at_most", "", "s", Kind::number, positive,
+                                           "longest time; a stage that ends then did not meet its condition")};
   return {"stage",
           TableSchema::Form::list,
-          "one act of a scene: how long it lasts, and keys of the scene that change with it "
-          "(world.gravity, contact.friction, body.NAME = { motion, fixed, force, torque, remove } ...)",
+          "one stage of a run: its length, and the keys of the scene that it changes (world.gravity, contact.friction, "
+          "body.NAME = { motion, fixed, force, torque, remove } ...)",
           {text("name", "name in progress, summary and frames"),
-           optional("duration", "", "s", Kind::number, positive, "how long it lasts, or until"),
-           table("until", "a condition that ends it", std::move(until))}};
+           optional("duration", "", "s", Kind::number, positive, "length of the stage; or write until"),
+           table("until", "condition that ends the stage", std::move(until))}};
 }
 
 TableSchema start_table() {
-  return {
-      "start",
-      TableSchema::Form::single,
-      "bodies, contacts and their memory of a run that has been made; from may be a table of these keys with `run`",
-      {optional("from", "", "", Kind::text, {}, "folder of the run"),
-       optional("run", "", "", Kind::text, {}, "the same"),
-       optional("time", "", "s", Kind::number, not_negative,
-                "of one of its snapshots; its last state where not written"),
-       optional("bodies", "", "", Kind::texts, {1, infinity}, "names of those that come along; all where not written"),
-       table("region", "those whose centres are in it", region_box()),
-       with_default(required("at_rest", "", "", Kind::boolean, {}, "velocities are left behind"), Value(false)),
-       with_default(required("move", "", "m", Kind::vec3, {}, "displaces all, after they were turned"),
-                    Value(Vec3(Vec3::Zero()))),
-       with_default(
-           required("euler_deg", "", "", Kind::vec3, {}, "turns all about the origin: roll, pitch, yaw in degrees"),
-           Value(Vec3(Vec3::Zero())))}};
+  return {"start",
+          TableSchema::Form::single,
+          "begins with the bodies and contacts of an earlier run; from may be a table of these keys with `run`",
+          {optional("from", "", "", Kind::text, {}, "folder of the run"),
+           optional("run", "", "", Kind::text, {}, "folder of the run, in place of from"),
+           optional("time", "", "s", Kind::number, not_negative, "time of a snapshot; default: the last state"),
+           optional("bodies", "", "", Kind::texts, {1, infinity}, "names of bodies to take; default: all"),
+           table("region", "takes bodies whose centres are inside", region_box()),
+           with_default(required("at_rest", "", "", Kind::boolean, {}, "sets all velocities to zero"), Value(false)),
+           with_default(required("move", "", "m", Kind::vec3, {}, "displacement of all bodies, after the rotation"),
+                        Value(Vec3(Vec3::Zero()))),
+           with_default(required("euler_deg", "", "", Kind::vec3, {},
+                                 "rotation of all bodies about the origin: roll, pitch, yaw in degrees"),
+                        Value(Vec3(Vec3::Zero())))}};
 }
 
 std::vector<Field> bound_fields(bool ends_run) {
@@ -85,8 +84,9 @@ TableSchema bounds_measure_table() {
 }
 
 std::vector<Field> number_bound_fields() {
-  Field then = with_default(word("then", "fail: exit code 1; stop: the run ends early and well", {"fail", "stop"}),
-                            Value(std::string("fail")));
+  Field then =
+      with_default(word("then", "fail: exit code 1; stop: the run ends early with exit code 0", {"fail", "stop"}),
+                   Value(std::string("fail")));
   return {required("below", "", "", Kind::number, not_negative, "bound"), then};
 }
 

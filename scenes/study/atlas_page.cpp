@@ -95,12 +95,10 @@ std::string page_with(const std::string& page, const std::string& title, const s
 std::string atlas_index(const std::filesystem::path& studies) {
   std::string out =
       "# Atlas: what accuracy costs, and where methods stop working\n\n"
-      "`epafi chart --all` and `epafi limits --all` draw everything anew (`--budget 30m`), write the tables of the "
-      "pages and this list, and "
-      "print which rows moved\nagainst the tables kept here by more than their spread. Times are processor seconds on "
-      "one core of the "
-      "machine that drew them: compare them within a\npicture. Errors and state hashes are the same bits on every "
-      "run.\n";
+      "`epafi chart --all` and `epafi limits --all` draw all charts and maps again (`--budget 30m`). They write the "
+      "tables of the pages and this list,\nand print the rows that differ from the stored tables by more than their "
+      "spread. Times are processor seconds on one core of the machine that drew them:\ncompare them within a picture. "
+      "Errors and state hashes have the same bits on every run.\n";
   for (const bool charts : {true, false}) {
     std::vector<Study> all = studies_in(studies, charts);
     std::sort(all.begin(), all.end(), [](const Study& a, const Study& b) { return a.file < b.file; });

@@ -13,15 +13,14 @@ namespace epafi {
 namespace {
 
 const Field body{"body", "", "", Kind::text, {}, {}, "name of a body or a group"};
-const Field relative_to{
-    "relative_to",
-    "",
-    "",
-    Kind::text,
-    {},
-    {},
-    "name of the body that it is seen from, as a table that moves or turns; the ground where not written",
-    true};
+const Field relative_to{"relative_to",
+                        "",
+                        "",
+                        Kind::text,
+                        {},
+                        {},
+                        "body that is the frame of reference, as a moving table; default: the ground",
+                        true};
 const Field between{"between", "", "", Kind::texts, {}, {}, "two names of bodies or groups"};
 const Field plane{"plane",
                   "",
@@ -45,9 +44,8 @@ const Field region_box{
     false,
     {},
     {{"min", "", "m", Kind::vec3, {}, {}, "lower corner"}, {"max", "", "m", Kind::vec3, {}, {}, "upper corner"}}};
-const Field region{
-    "region", "", "",          Kind::table, {}, {}, "part of space; the whole periodic cell where not written",
-    true,     {}, {region_box}};
+const Field region{"region", "", "",          Kind::table, {}, {}, "part of space; default: the whole periodic cell",
+                   true,     {}, {region_box}};
 const Field axis{"axis",         "", "", Kind::text, Value(std::string("z")), {}, "direction across the layers", false,
                  {"x", "y", "z"}};
 const Field centre{"centre", "", "m", Kind::vec3, Value(Vec3(0, 0, 0)), {}, "top of the axis of the heap, on its base"};
@@ -108,7 +106,7 @@ const std::vector<MeasureEntry>& all_measures() {
                                   {least}, "Agnolin and Roux 2007"),
       measure_entry<StressMeasure>("stress", "stress of the contacts in a region: pressure and six components",
                                    {region}, "Love 1927; Weber 1966"),
-      measure_entry<SolidFractionMeasure>("solid_fraction", "share of a region that bodies fill", {region}),
+      measure_entry<SolidFractionMeasure>("solid_fraction", "solid fraction of a region", {region}),
       measure_entry<ProfileMeasure>("profile", "velocity and density in layers of a region", {region, axis, bins}),
       measure_entry<HysteresisMeasure>("hysteresis", "force over overlap of one contact and the area of its loop",
                                        {between}),
@@ -117,7 +115,7 @@ const std::vector<MeasureEntry>& all_measures() {
       measure_entry<ReposeMeasure>("angle_of_repose", "slope of a heap (degrees), its height and reach",
                                    {centre, axis, rings}),
       measure_entry<MixingMeasure>("mixing", "Lacey's index of two groups", {between, cell}, "Lacey 1954"),
-      measure_entry<OutletMeasure>("outlet", "bodies and mass that an outlet has taken out", {outlet}),
+      measure_entry<OutletMeasure>("outlet", "number and mass of bodies that an outlet has removed", {outlet}),
       measure_entry<WheelsetMeasure>(
           "wheelset", "a wheelset in the axes of its track: place, angles, forces of the rails on each wheel", {body}),
       measure_entry<SwingMeasure>("swing", "amplitude of a wheelset's hunting within the last window", {body, window}),

@@ -86,7 +86,7 @@ void Adaptive::visit(StateVisitor& visitor) {
 
 SolverEntry adaptive_entry() {
   Entry entry{"adaptive",
-              "sweeps, and by island Newton steps where a factorisation costs little beside them; the default",
+              "sweeps, then Newton steps on islands where a factorisation is cheap; the default",
               solver_fields(),
               {.slip_velocity = true, .memory = true},
               ""};

@@ -303,7 +303,7 @@ void Auto::visit(StateVisitor& visitor) {
 
 SolverEntry auto_entry() {
   Entry entry{"auto",
-              "per island: sweeps first, then newton or proximal where their contraction is too slow",
+              "by island: sweeps, then newton or proximal if sweeps contract too slowly",
               solver_fields({}, 2000),
               {.slip_velocity = true, .memory = true},
               ""};

@@ -1,9 +1,10 @@
 """1500 spheres of 4 mm in a drum of 100 mm that turns at 2 rad/s, between smooth ends.
 
-There is no closed form. The centre of the grains is carried to the side until gravity's moment about the axis is that of
-friction on the wall: the angle of the centre below the axis, mean from 1 to 1.5 s. Error: against 26.4 degrees, the mean of the
-finest runs of four codes (Epafi 27.8, LAMMPS 26.5, YADE 25.8, LIGGGHTS 25.3 at 2e-5 s; drums of the last two have 96 facets).
-Avalanches decide: six runs of Epafi at steps of 1.5e-5 to 2.3e-5 s lie from 24.6 to 29.3. Errors below 3 degrees say nothing.
+There is no closed form. The drum carries the centre of the grains to the side until the moment of gravity about the axis equals
+that of friction on the wall. Measured is the angle of the centre below the axis, mean from 1 to 1.5 s. Error: against 26.4
+degrees, the mean of the finest runs of four codes (Epafi 27.8, LAMMPS 26.5, YADE 25.8, LIGGGHTS 25.3 at 2e-5 s; drums of the
+last two have 96 facets). Avalanches scatter it: six runs of Epafi at steps of 1.5e-5 to 2.3e-5 s lie from 24.6 to 29.3. Errors
+below 3 degrees are not significant.
 """
 import math
 

@@ -1,8 +1,8 @@
 """A cube of 1000 t on a cube of 1 t, both of 1 m.
 
-Exact answer: nothing moves; both stand in line on a plane. Error: displacement of the heavy cube after 2 s. The ratio of
-the loads at the two joints is 1001:1000 but that of the masses 1000:1: methods that sweep over contacts need sweeps in
-proportion to the ratio, methods that factorise do not see it.
+Exact answer: nothing moves; both stand in line on a plane. Error: displacement of the heavy cube after 2 s. The loads at the two
+joints are as 1001:1000, the masses as 1000:1. Methods that sweep over contacts need sweeps in proportion to the mass ratio;
+methods that factorise do not depend on it.
 """
 from judge import displacement
 from scene import FLOOR, Scene, box
@@ -11,7 +11,7 @@ TITLE = "Heavy on light, 1:1000: displacement of the heavy cube after 2 s"
 KIND = "rest"
 UNIT = "m"
 DURATION = 2.0
-WHY = ("Sweeps need their number in proportion to the ratio of masses; a factorisation does not see it.")
+WHY = "The number of sweeps is proportional to the mass ratio; a factorisation does not depend on it."
 EVERY = 0.05
 
 

@@ -4,7 +4,7 @@ rest in Epafi's smooth contact; all start from the same numbers.
 
 There is no closed form. Error: of the moment of the grains' weight about the axis, over the weight times the drum's radius, mean
 from 0.12 to 0.15 s, against 0.0873, the mean of the finest runs of three codes (Epafi 0.0868, LAMMPS 0.0864, LIGGGHTS, whose drum
-has 96 facets, 0.0888 at 2e-5 s). These lie within 0.017 of it: smaller errors say nothing.
+has 96 facets, 0.0888 at 2e-5 s). These lie within 0.017 of it: smaller errors are not significant.
 """
 import math
 

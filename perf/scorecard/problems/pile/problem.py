@@ -1,8 +1,8 @@
 """200 polyhedra fall into a box, 3 s.
 
-Exact answer: rigid bodies do not overlap. Errors at the end: the deepest overlap, and the sum of overlaps per body, over the
-sum of the radii, found by the separating axes of all pairs in double precision (overlap.py), which shares nothing with any
-engine. The status says how many bodies left the box and how fast they still move: bodies that fly about overlap little.
+Exact answer: rigid bodies do not overlap. Errors at the end: the deepest overlap, and the sum of overlaps per body, both over
+the sum of the radii. The separating axes of all pairs give them in double precision (overlap.py), independent of all engines.
+The status says how many bodies left the box and how fast they still move: bodies that fly about overlap little.
 """
 import math
 import os
@@ -13,9 +13,8 @@ TITLE = "Pile of 200 polyhedra"
 KIND = "pile"
 UNIT = "overlap over the sum of radii"
 DURATION = 3.0
-WHY = ("Most contacts of a pile of loose bodies are cheap to sweep; solving each of them exactly while it falls "
-       "costs several times more and lowers overlaps by little, which the share of overlap left alone decides "
-       "(1e-4).")
+WHY = ("Most contacts of a loose pile are cheap to sweep. Exact solutions while the pile falls cost several times more and reduce the "
+       "overlap little, since an overlap of 1e-4 is left on purpose.")
 EVERY = 0.5
 COUNT, SIDE, PITCH = 200, 1.1, 0.262
 BODIES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../../scenes/library/pile/poly_1000.polyset")

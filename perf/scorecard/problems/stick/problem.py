@@ -1,7 +1,7 @@
-"""A flat box on an incline one degree below the angle of friction. The fall line lies 17 degrees off the box's and the
-world's axes: there a pyramid in the place of Coulomb's cone shows.
+"""A flat box on an incline one degree below the angle of friction. The fall line lies 17 degrees off the axes of the box and of
+the world, so that the error of a pyramid in place of Coulomb's cone shows.
 
-Exact answer: it sticks, at rest from the first moment, since tan(angle) < mu. Error: speed of creep over the last second.
+Exact answer: the box sticks, at rest from the first moment, since tan(angle) < mu. Error: speed of creep over the last second.
 """
 import math
 
@@ -12,7 +12,7 @@ TITLE = "Incline one degree below the angle of friction: creep"
 KIND = "rest"
 UNIT = "m/s"
 DURATION = 2.0
-WHY = "One box sticks at any step; what a step with four contacts costs decides."
+WHY = "One box sticks at any step, so the cost of a step with four contacts decides."
 EVERY = 0.05
 FRICTION, AZIMUTH = 0.5, math.radians(17)
 
