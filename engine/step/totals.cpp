@@ -14,34 +14,11 @@ BodyTotals& BodyTotals::operator+=(const BodyTotals& other) {
   return *this;
 }
 
-namespace {
-
-/// Sums of `count` terms f(i) each over [0, n).
-template <std::size_t count, class F>
-std::array<OrderFreeSum, count> sums_of(std::size_t n, const F& f) {
-  using Sums = std::array<OrderFreeSum, count>;
-  std::vector<Sums> parts((n + sum_block - 1) / sum_block);
-  parallel_blocks(n, sum_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
-    double terms[count][sum_block];
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::array<double, count> all = f(i);
-      for (std::size_t c = 0; c < count; ++c) terms[c][i - begin] = all[c];
-    }
-    for (std::size_t c = 0; c < count; ++c) parts[block][c].add({terms[c], end - begin});
-  });
-  Sums total;
-  for (const Sums& part : parts)
-    for (std::size_t c = 0; c < count; ++c) total[c] += part[c];
-  return total;
-}
-
-}  // namespace
-
 BodyTotals body_totals(const World& world) {
   const auto is_counted = [&](Slot s) {
     return world.is_movable(s) && (world.owner.empty() || world.owner[s] == World::here);
   };
-  const auto sums = sums_of<7>(world.size(), [&](std::size_t i) -> std::array<double, 7> {
+  const auto sums = order_free_totals<7>(world.size(), [&](std::size_t i) -> std::array<double, 7> {
     const auto s = static_cast<Slot>(i);
     if (!is_counted(s)) return {};
     const double mass = 1.0 / world.inverse_mass[s];

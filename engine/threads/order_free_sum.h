@@ -55,9 +55,9 @@ double value_of(const OrderFreeSum& total, std::size_t n, const Term& term) {
   return exact.value();
 }
 
-/// Sums of `count` terms f(i) each, std::array<double, count>, over [0, n).
+/// Totals of `count` terms f(i) each, std::array<double, count>, over [0, n).
 template <std::size_t count, class F>
-std::array<SumAndLargest, count> order_free_sums(std::size_t n, const F& f) {
+std::array<OrderFreeSum, count> order_free_totals(std::size_t n, const F& f) {
   using Sums = std::array<OrderFreeSum, count>;
   const auto sums_of = [&](std::size_t begin, std::size_t end, Sums& sums) {
     double terms[count][sum_block];
@@ -76,6 +76,13 @@ std::array<SumAndLargest, count> order_free_sums(std::size_t n, const F& f) {
     for (const Sums& sums : part)
       for (std::size_t c = 0; c < count; ++c) total[c] += sums[c];
   }
+  return total;
+}
+
+/// Sums of the same.
+template <std::size_t count, class F>
+std::array<SumAndLargest, count> order_free_sums(std::size_t n, const F& f) {
+  const std::array<OrderFreeSum, count> total = order_free_totals<count>(n, f);
   std::array<SumAndLargest, count> out;
   for (std::size_t c = 0; c < count; ++c)
     out[c] = {value_of(total[c], n, [&](std::size_t i) { return f(i)[c]; }), total[c].largest()};
