@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -33,13 +34,19 @@ void Part::settle(StateImage& image, const Arrival& arrival) {
   World& world = sim_.world;
   place_ = arrival.place;
   world.owner = owners_of(arrival);
-  start_.resize(world.size());
-  for (Slot s = 0; s < world.size(); ++s) start_[s] = world.unwrapped(s);
+  start_.position.resize(world.size());
+  start_.wraps.resize(world.cell ? world.size() : 0);
+  for (Slot s = 0; s < world.size(); ++s) {
+    start_.position[s] = world.position[s];
+    if (world.cell) start_.wraps[s] = world.wraps[s];
+  }
+  if (world.cell) start_.cell = world.cell->size;
+  start_.grown = 1.0;
   own_ = static_cast<double>(std::ranges::count(world.owner, std::uint8_t{World::here}));
-  const Motion own = motion_of_own();
-  std::array<double, 2> largest{own.speed, own.acceleration};
-  max_over_ranks(largest);
-  motion_ = {0.0, largest[0], largest[1]};
+  Speeds speeds = speeds_of_own();
+  max_over_ranks(speeds);
+  motion_ = {};
+  take_speeds(speeds);
   figures_.bytes += arrival.bytes;
   const Routes now = territory_.routes(world, world.owner, place_, {});
   std::vector<Slot> slots;
@@ -83,6 +90,7 @@ void Part::move(double longest) {
 void Part::give(Simulation* whole) {
   RankTimer timer(figures_);
   sum_overlaps();
+  join_virial();
   sim_.pipeline.contact_model->publish(sim_.world, sim_.work.contacts);  // springs leave their contacts below
   StateImage image = image_of(walk_of(sim_));
   sum_shares(image);
@@ -100,6 +108,7 @@ void Part::give_places(Simulation* whole) {
   plan.run(rows, sizeof(PlaceRow), arrived);
   figures_.bytes += static_cast<double>(rows.size());
   if (!whole) return;
+  whole->world.cell = world.cell;
   for (std::size_t k = 0; k < plan.received(); ++k) put_place(row_at<PlaceRow>(arrived, k), whole->world);
   for (Slot s = 0; s < world.size(); ++s)
     if (world.owner[s] == World::everywhere) put_place(place_of(world, s), whole->world);
@@ -112,6 +121,7 @@ std::vector<std::byte> Part::contact_rows(bool in_pieces) {
   const ContactModel& model = *sim_.pipeline.contact_model;
   if (!in_pieces) {
     sum_overlaps();
+    join_virial();
     model.publish(world, set);
   }
   std::vector<std::byte> rows;
@@ -192,64 +202,107 @@ void Part::give_contacts(Simulation* whole, bool in_pieces) {
   timer.lap(RankStage::sharing);
 }
 
-/// No way.
-Part::Motion Part::motion_of_own() const {
+Part::Speeds Part::speeds_of_own() const {
   const World& world = sim_.world;
-  std::vector<Motion> parts((world.size() + sum_block - 1) / sum_block);
+  Speeds none;
+  none.fill(-std::numeric_limits<double>::infinity());
+  const auto take = [](Speeds& most, const Speeds& other) {
+    for (std::size_t k = 0; k < most.size(); ++k) most[k] = std::max(most[k], other[k]);
+  };
+  std::vector<Speeds> parts((world.size() + sum_block - 1) / sum_block, none);
   parallel_blocks(world.size(), sum_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
-    Motion most;
+    Speeds most = none;
     for (std::size_t i = begin; i < end; ++i) {
       const auto s = static_cast<Slot>(i);
       if (world.owner[s] != World::here) continue;
-      most.speed = std::max(most.speed, world.velocity[s].squaredNorm());
-      most.acceleration = std::max(most.acceleration, world.acceleration(s).squaredNorm());
+      const Vec3 v = world.velocity[s];
+      take(most, {v.x(), v.y(), v.z(), -v.x(), -v.y(), -v.z(), world.acceleration(s).squaredNorm()});
     }
     parts[block] = most;
   });
-  Motion all;
-  for (const Motion& part : parts) {
-    all.speed = std::max(all.speed, part.speed);
-    all.acceleration = std::max(all.acceleration, part.acceleration);
-  }
+  Speeds all = none;
+  for (const Speeds& part : parts) take(all, part);
   return all;
+}
+
+/// Of all ranks. In a cell that deforms nothing is common: the flow would change it.
+void Part::take_speeds(std::span<const double> largest) {
+  if (!(largest[6] >= 0.0)) return;  // nobody has bodies
+  for (std::size_t k = 0; k < 3; ++k) {
+    const int axis = static_cast<int>(k);
+    motion_.high[axis] = deforms_ ? std::max(largest[k], largest[3 + k]) : largest[k];
+    motion_.low[axis] = deforms_ ? -motion_.high[axis] : -largest[3 + k];
+  }
+  motion_.acceleration = largest[6];
+}
+
+/// Beside what they do together and the flow of the cell [m].
+double Part::farthest_of_own() const {
+  const World& world = sim_.world;
+  const Vec3 low = world.cell ? world.cell->low : Vec3(Vec3::Zero());
+  const Vec3 size = world.cell ? world.cell->size : Vec3(Vec3::Ones()), stretch = size.cwiseQuotient(start_.cell);
+  return std::sqrt(block_max<double>(world.size(), 0.0, [&](std::size_t i) {
+    const auto s = static_cast<Slot>(i);
+    if (world.owner[s] != World::here) return 0.0;
+    Vec3 way = world.position[s] - low - stretch.cwiseProduct(start_.position[s] - low) - motion_.together;
+    if (world.cell) way += (world.wraps[s] - start_.wraps[s]).cast<double>().cwiseProduct(size);
+    return way.squaredNorm();
+  }));
+}
+
+/// The cell has deformed before this step: what was so far apart is farther or nearer now.
+void Part::note_flow(double dt) {
+  double most = 1.0;
+  for (const double rate : sim_.world.cell->strain_rate)
+    most = std::max({most, 1.0 + dt * rate, 1.0 / (1.0 + dt * rate)});
+  motion_.way *= most;
+  start_.grown *= most;
 }
 
 /// No body leaves the margin in the next step. Ways are sums of what the fastest body may have gone in each step, and
 /// measured only where these are too long.
 bool Part::stays(double dt) {
-  if (motion_.all(dt) < territory_.margin()) return true;
-  const World& world = sim_.world;
-  double square = block_max<double>(world.size(), 0.0, [&](std::size_t i) {
-    const auto s = static_cast<Slot>(i);
-    return world.owner[s] == World::here ? (world.unwrapped(s) - start_[s]).squaredNorm() : 0.0;
-  });
-  max_over_ranks({&square, 1});
-  motion_.way = std::sqrt(square);
-  return motion_.all(dt) < territory_.margin();
+  const auto is_near = [&] {
+    const double grown = start_.grown;
+    return grown * motion_.all(dt) + 0.5 * (grown - 1.0) * territory_.reach() < territory_.margin();
+  };
+  if (is_near()) return true;
+  motion_.way = farthest_of_own();
+  max_over_ranks({&motion_.way, 1});
+  return is_near();
 }
 
-/// Those that every rank does by itself; what they have booked as work, at rank 0 [J].
+/// Those that every rank does by itself; what they have booked as work, at rank 0 [J]. Where an earlier event moves
+/// free bodies, a common one asks them when its turn comes, else it has done so behind the last step.
 double Part::act_events(double dt) {
   World& world = sim_.world;
+  if (std::exchange(prepared_, false)) return 0.0;
   std::vector<BodyId> none;
-  const bool prepared = std::exchange(prepared_, false);
   const double power = sim_.held_power(), work = sim_.ledger.last().work;
   for (auto& event : sim_.events) {
-    if (event->is_common() && asked_) event->answer(world);
-    if (event->is_local() && !event->is_common() && !prepared) event->before_step(world, dt, none);
+    if (!event->is_local()) continue;
+    if (!event->is_common()) {
+      event->before_step(world, dt, none);
+    } else {
+      double asks = deforms_ ? event->asks(world) : asked_;
+      if (deforms_) max_over_ranks({&asks, 1});
+      if (asks != 0.0) event->answer(world);
+    }
   }
-  if (prepared || rank_number() != 0) return 0.0;
+  if (deforms_) note_flow(dt);
+  if (rank_number() != 0) return 0.0;
   return sim_.ledger.last().work - work + 0.5 * dt * (sim_.held_power() - power);
 }
 
 bool Part::step(double dt, const std::optional<Domain>& domain, StepReport& report) {
   World& world = sim_.world;
   RankTimer timer(figures_);
-  if (!stays(dt)) move(motion_.next(dt));
-  motion_.way += motion_.next(dt);
-  timer.lap(RankStage::sharing);
   const double booked = act_events(dt);
+  if (!stays(dt)) move(motion_.next(dt));
+  motion_.go(dt);
+  timer.lap(RankStage::sharing);
   overlaps_.reset();
+  virial_is_joined_ = false;
   work_.begin();
   if (sim_.loads) sim_.loads->before_step(world, dt);
   epafi::step(world, sim_.pipeline, sim_.work, dt);
@@ -260,6 +313,7 @@ bool Part::step(double dt, const std::optional<Domain>& domain, StepReport& repo
   halo_.begin(world);
   timer.lap(RankStage::exchange);
   join_held_loads();
+  if (deforms_) join_virial();
   note_overlaps();
   bool sound = is_sound(domain);
   begin_sums(sound);

@@ -3,11 +3,14 @@
 /// Contacts across a border are found by both owners, from the same numbers.
 /// All functions but the getters are called by all ranks together.
 #pragma once
+#include <array>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "engine/ranks/rank_team.h"
+#include "engine/ranks/shared_model.h"
 #include "engine/step/simulation.h"
 #include "ranks/communicator.h"
 #include "ranks/halo.h"
@@ -20,7 +23,11 @@ class Part {
  public:
   /// The simulation is of the same scene as the whole one; what it holds is thrown away.
   Part(Simulation& simulation, PartSetup setup)
-      : sim_(simulation), stiffness_(setup.stiffness), territory_(std::move(setup)) {}
+      : sim_(simulation),
+        stiffness_(setup.stiffness),
+        deforms_(setup.deforms),
+        tied_(setup.tied),
+        territory_(std::move(setup)) {}
 
   /// The state of the whole, which only rank 0 has, is cut anew and shared out.
   void receive(Simulation* whole);
@@ -48,33 +55,59 @@ class Part {
   bool is_sound(const std::optional<Domain>& domain) const;
   bool asks() const;
 
-  /// Largest of the free bodies of all ranks.
+  /// Of the free bodies of all ranks. What they do together takes none nearer to another one, as where all fall: ways
+  /// and speeds are those beside it.
   struct Motion {
-    double way = 0.0;           ///< at most, since they were placed [m]
-    double speed = 0.0;         ///< squared [m^2/s^2]
-    double acceleration = 0.0;  ///< squared [m^2/s^4]
+    double way = 0.0;                              ///< at most, since they were placed [m]
+    Vec3 together = Vec3::Zero();                  ///< the common way since then [m]
+    Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< of their velocities [m/s]
+    double acceleration = 0.0;                     ///< largest, squared [m^2/s^4]
+    Vec3 velocity() const { return 0.5 * (low + high); }
     /// In a step from now on, at most [m].
-    double next(double dt) const { return dt * (std::sqrt(speed) + dt * std::sqrt(acceleration)); }
+    double next(double dt) const { return dt * (0.5 * (high - low).norm() + dt * std::sqrt(acceleration)); }
     double all(double dt) const { return way + next(dt); }
+    void go(double dt) {
+      way += next(dt);
+      together += dt * velocity();
+    }
   };
   bool stays(double dt);
-  Motion motion_of_own() const;
+  double farthest_of_own() const;
+  void note_flow(double dt);
+  /// Largest velocities along each axis, then against it [m/s]; largest square of an acceleration [m^2/s^4].
+  using Speeds = std::array<double, 7>;
+  Speeds speeds_of_own() const;
+  void take_speeds(std::span<const double> largest);
   double act_events(double dt);
+  const SharedModel* shared_model() const {
+    return dynamic_cast<const SharedModel*>(sim_.pipeline.contact_model.get());
+  }
   void join_held_loads();
+  void take_off_held_pulls();
+  void join_virial();
   void begin_sums(bool sound);
   void finish_sums(StepReport& report, bool& sound);
 
   Simulation& sim_;
   decltype(PartSetup::stiffness) stiffness_;
+  bool deforms_;
+  decltype(PartSetup::tied) tied_;
   Territory territory_;
   Halo halo_;
   std::vector<std::uint32_t> place_;  ///< by slot: in the order of all bodies
-  std::vector<Vec3> start_;           ///< by slot: where bodies were when they were placed [m]
-  double own_ = 0.0;                  ///< free bodies of this rank
-  bool prepared_ = false;             ///< events have seen this state where it was whole
-  bool asked_ = false;                ///< some common event has something to do before the next step
+  /// Where bodies were when they were placed, by slot, and what they were in.
+  struct Start {
+    std::vector<Vec3> position;  ///< [m]
+    std::vector<Wraps> wraps;    ///< in a periodic cell
+    Vec3 cell = Vec3::Ones();    ///< its size [m]
+    double grown = 1.0;  ///< at most so many times as far apart were they as the cell's flow alone would tell now
+  } start_;
+  double own_ = 0.0;       ///< free bodies of this rank
+  bool prepared_ = false;  ///< events have seen this state where it was whole
+  bool asked_ = false;     ///< some common event has something to do before the next step
   Motion motion_;
   std::optional<OverlapTotals> overlaps_;  ///< of the last step, once they are summed
+  bool virial_is_joined_ = true;           ///< the cell has that of the last step, of all contacts
   Joint joint_;
   WorkMeter work_;
   PartFigures figures_;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 
 #include "engine/state/held_loads.h"
 #include "engine/threads/parallel.h"
@@ -47,6 +48,48 @@ void Part::join_held_loads() {
     world.force[held[h]] = Vec3(x[0], x[1], x[2]);
     if (world.rotates()) world.torque[held[h]] = Vec3(x[3], x[4], x[5]);
   }
+  if (!tied_.empty()) take_off_held_pulls();
+}
+
+/// Those of springs, one after the other as in one process.
+void Part::take_off_held_pulls() {
+  World& world = sim_.world;
+  std::vector<HeldPull> mine;
+  if (const SharedModel* model = shared_model()) model->append_held_pulls(world, mine);
+  std::vector<std::byte> rows, all;
+  for (const HeldPull& pull : mine) append_row(rows, pull);
+  gather_rows(rows, sizeof(HeldPull), all);
+  std::uint64_t size = all.size();
+  broadcast(&size, sizeof size);
+  all.resize(size);
+  broadcast(all.data(), all.size());
+  std::vector<HeldPull> pulls(all.size() / sizeof(HeldPull));
+  for (std::size_t k = 0; k < pulls.size(); ++k) pulls[k] = row_at<HeldPull>(all, k);
+  std::ranges::sort(pulls, {}, &HeldPull::order);
+  for (const HeldPull& pull : pulls) {
+    const Slot s = world.slot_of(pull.body);
+    const auto vector = [](const double* x) { return Vec3(x[0], x[1], x[2]); };
+    world.force[s] -= vector(pull.force);
+    if (world.rotates()) world.torque[s] -= vector(pull.torque);
+  }
+}
+
+/// Of all contacts, to the bits of one process; before those that the model keeps by itself are in one set with the
+/// others.
+void Part::join_virial() {
+  World& world = sim_.world;
+  if (!world.cell || std::exchange(virial_is_joined_, true)) return;
+  Virial mine;
+  mine.contacts = virial_sums(world, sim_.work.contacts);
+  if (const SharedModel* model = shared_model()) model->add_virial(world, mine);
+  std::vector<std::byte> row, all;
+  append_row(row, mine);
+  gather_rows(row, sizeof mine, all);
+  Virial sum;
+  for (std::size_t k = 0; k < all.size() / sizeof sum; ++k) sum += row_at<Virial>(all, k);
+  Vec3 virial = sum.value();
+  broadcast(virial.data(), 3 * sizeof(double));
+  world.cell->virial = virial;
 }
 
 /// Before those that the model keeps by itself are in one set with the others.
@@ -94,7 +137,7 @@ bool Part::is_sound(const std::optional<Domain>& domain) const {
 }
 
 bool Part::asks() const {
-  return std::ranges::any_of(sim_.events, [&](const auto& event) { return event->asks(sim_.world); });
+  return !deforms_ && std::ranges::any_of(sim_.events, [&](const auto& event) { return event->asks(sim_.world); });
 }
 
 void Part::begin_sums(bool sound) {
@@ -111,14 +154,14 @@ void Part::begin_sums(bool sound) {
                                     mine.losses.adhesive,
                                     sound ? 0.0 : 1.0,
                                     asks() ? 1.0 : 0.0};
-  const Motion motion = motion_of_own();
-  const std::array<double, 4> largest{mine.deepest, mine.deepest_relative, motion.speed, motion.acceleration};
+  std::array<double, 9> largest{mine.deepest, mine.deepest_relative};
+  std::ranges::copy(speeds_of_own(), largest.begin() + 2);
   joint_.begin(sums, largest);
 }
 
 void Part::finish_sums(StepReport& report, bool& sound) {
   std::array<double, 12> sums{};
-  std::array<double, 4> largest{};
+  std::array<double, 9> largest{};
   joint_.finish(sums, largest);
   report.pairs = static_cast<std::size_t>(sums[0]);
   report.contacts = static_cast<std::size_t>(sums[1]);
@@ -129,8 +172,7 @@ void Part::finish_sums(StepReport& report, bool& sound) {
   report.losses = {sums[6], sums[7], sums[8], sums[9]};
   report.deepest = largest[0];
   report.deepest_relative = largest[1];
-  motion_.speed = largest[2];
-  motion_.acceleration = largest[3];
+  take_speeds(std::span(largest).subspan<2>());
   sound = sums[10] == 0.0;
   asked_ = sums[11] != 0.0;
 }

@@ -8,6 +8,14 @@
 
 namespace epafi {
 
+Territory::Territory(PartSetup setup) : setup_(std::move(setup)) {
+  for (const auto& [a, b] : setup_.tied) {
+    tied_.emplace_back(a, b);
+    tied_.emplace_back(b, a);
+  }
+  std::ranges::sort(tied_);
+}
+
 void Territory::measure(const World& world, const Owners& owner) {
   double sums[2] = {0.0, 0.0}, largest = 0.0;
   for (std::size_t s = 0; s < owner.size(); ++s) {
@@ -74,6 +82,14 @@ std::vector<Vec3> shifts_of(const std::optional<PeriodicCell>& cell) {
 
 }  // namespace
 
+/// A rank has all that its bodies are tied to, so it knows where these are.
+void Territory::add_ranks_of_tied(const World& world, const Owners& owner, Slot s, std::vector<int>& ranks) const {
+  const auto [first, last] = std::ranges::equal_range(tied_, world.id[s], {}, &std::pair<BodyId, BodyId>::first);
+  for (auto at = first; at != last; ++at)
+    if (const Slot other = world.slot_of(at->second); other != no_slot && owner[other] != World::everywhere)
+      ranks.push_back(partition_.owner(world.position[other]));
+}
+
 Routes Territory::routes(const World& world, const Owners& owner, const std::vector<std::uint32_t>& place,
                          const std::vector<int>& held) const {
   Routes r;
@@ -92,6 +108,7 @@ Routes Territory::routes(const World& world, const Owners& owner, const std::vec
         setup_.radius(world.shape[s]) + (2 * setup_.rings - 1) * largest_ + setup_.rings * setup_.reach + 2.0 * margin_;
     ranks = {r.owner.back()};
     for (const Vec3& shift : shifts) partition_.ranks_near(world.position[s] + shift, (1.0 + 1e-9) * reach, ranks);
+    if (!tied_.empty()) add_ranks_of_tied(world, owner, s, ranks);
     std::ranges::sort(ranks);
     ranks.erase(std::unique(ranks.begin(), ranks.end()), ranks.end());
     r.to.insert(r.to.end(), ranks.begin(), ranks.end());

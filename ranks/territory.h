@@ -16,7 +16,7 @@ using Owners = std::vector<std::uint8_t>;  ///< as World::owner
 
 class Territory {
  public:
-  explicit Territory(PartSetup setup) : setup_(std::move(setup)) {}
+  explicit Territory(PartSetup setup);
 
   /// Sizes of the free bodies that are here decide how far ghosts reach; new cuts, so that all ranks have as much to
   /// do. worked: processor time of this rank since the last cut [s]; bodies of a rank that took longer for each weigh
@@ -24,6 +24,8 @@ class Territory {
   void cut(const World& world, const Owners& owner, double worked);
   /// Ghosts are enough while no body has moved farther than this since it was placed [m].
   double margin() const { return margin_; }
+  /// Bodies farther apart than this have nothing to do with each other, but for those that are tied [m].
+  double reach() const { return setup_.rings * (2.0 * largest_ + setup_.reach); }
   /// Enough for displacements of this length too; no more than so many times the usual margin.
   void widen(double longest, double most = std::numeric_limits<double>::infinity()) {
     margin_ = std::max(usual_margin_, std::min(2.0 * longest, most * usual_margin_));
@@ -37,14 +39,16 @@ class Territory {
 
  private:
   void measure(const World& world, const Owners& owner);
+  void add_ranks_of_tied(const World& world, const Owners& owner, Slot s, std::vector<int>& ranks) const;
   std::vector<float> weights(const World& world, const std::vector<Slot>& free,
                              const std::vector<double>& worked) const;
 
   PartSetup setup_;
   Partition partition_;
-  double usual_margin_ = 0.0, margin_ = 0.0;  ///< [m]
-  double largest_ = 0.0;                      ///< radius of all free bodies [m]
-  std::vector<int> rank_of_;                  ///< by id: whose the body was after the last cut; -1: nobody's
+  double usual_margin_ = 0.0, margin_ = 0.0;     ///< [m]
+  double largest_ = 0.0;                         ///< radius of all free bodies [m]
+  std::vector<std::pair<BodyId, BodyId>> tied_;  ///< both ways, in order
+  std::vector<int> rank_of_;                     ///< by id: whose the body was after the last cut; -1: nobody's
 };
 
 std::vector<int> all_ranks();

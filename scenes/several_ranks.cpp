@@ -36,14 +36,12 @@ void refuse_wheelsets(const Scene& scene, Refusals& refusals) {
 
 /// What whole steps cannot do where each process has its bodies alone. Of impulses process 0 makes the steps.
 void refuse_in_steps(const Scene& scene, Refusals& refusals) {
-  if (!scene.springs.empty()) refusals.add(true, scene.springs.front().place, "a [[spring]]", run_alone);
   if (scene.output.problems_every)
     refusals.add(true, scene.output.problems_every->place, "output.problems_every", run_alone);
   refuse_wheelsets(scene, refusals);
 }
 
 void refuse(const Scene& scene, bool rolls, Refusals& refusals) {
-  if (scene.cell) refusals.add(scene.cell->deforms, scene.cell->place, "a cell that deforms", run_alone);
   refusals.add(rolls, scene.contact.wheel_rail_place, "wheel on rail", run_alone);
   if (scene.contact.method.value == Method::smooth) refuse_in_steps(scene, refusals);
 }
@@ -74,6 +72,13 @@ bool has_flat_bodies(const Assembly& a) {
   });
 }
 
+std::vector<std::pair<BodyId, BodyId>> tied_bodies(const Assembly& a) {
+  std::vector<std::pair<BodyId, BodyId>> tied;
+  for (const SpringSpec& s : a.scene.springs)
+    if (s.to) tied.emplace_back(a.id_of(s.body), a.id_of(*s.to));
+  return tied;
+}
+
 }  // namespace
 
 PartSetup part_setup(const Assembly& a) {
@@ -86,6 +91,8 @@ PartSetup part_setup(const Assembly& a) {
           is_clump,
           smooth && has_flat_bodies(a) ? 3 : 1,
           smooth ? stiffness_of_parts(a) : decltype(PartSetup::stiffness){},
+          a.scene.cell && a.scene.cell->deforms,
+          tied_bodies(a),
           help_with_sweeps};
 }
 

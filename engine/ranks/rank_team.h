@@ -5,6 +5,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "engine/ranks/rank_messages.h"
 #include "engine/ranks/remote_steps.h"
@@ -23,7 +25,10 @@ struct PartSetup {
   int rings = 1;
   /// Of bodies and contacts in a part, for engine/step/stiffest_mode.h; empty: it does not matter. dt [s]
   std::function<double(const World&, const ContactPieces&, double dt)> stiffness{};
-  std::function<void(RankMessages&)> help;  ///< with what process 0 solves (RankMessages::together)
+  bool deforms = false;  ///< the periodic cell, before each step
+  /// Bodies that act on each other wherever they are: ends of springs.
+  std::vector<std::pair<BodyId, BodyId>> tied{};
+  std::function<void(RankMessages&)> help{};  ///< with what process 0 solves (RankMessages::together)
 };
 
 class RankTeam {

@@ -41,6 +41,8 @@ class DeformCell final : public Event {
   /// elapsed: of its time when the present stage began [s].
   explicit DeformCell(CellControl control, double elapsed = 0.0) : control_(control), elapsed_(elapsed) {}
   void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
+  /// Every process knows the virial of all contacts (engine/state/virial.h) and carries the bodies that it has.
+  bool is_local() const override { return true; }
   void visit(StateVisitor& visitor) override { visitor.value("cell/share", share_); }
 
  private:

@@ -19,7 +19,7 @@ class Event {
   /// Called after before_step(world, dt). True: the next call, after a step as long, neither changes nor reads a body,
   /// so a contact model may begin that step early.
   virtual bool rests_next(const World& /*world*/, double /*dt*/) const { return false; }
-  /// It reads fixed and driven bodies only, so every process of a run can execute it by itself.
+  /// It reads only what every process of a run knows, fixed and driven bodies, so each can execute it by itself.
   virtual bool is_local() const { return false; }
   /// A local event that all bodies decide on: every process does `answer` where `asks` is true on some of them.
   virtual bool is_common() const { return false; }

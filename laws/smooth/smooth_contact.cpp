@@ -1,6 +1,6 @@
 #include "laws/smooth/smooth_contact.h"
 
-#include "engine/threads/order_free_sum.h"
+#include "engine/state/virial.h"
 
 namespace epafi {
 
@@ -25,11 +25,7 @@ void VelocityChange::predict(const World& world, const ContactSet& contacts, Tou
 }
 
 Vec3 contact_virial(const World& world, const ContactSet& contacts) {
-  const auto sums = order_free_sums<3>(contacts.size(), [&](std::size_t i) -> std::array<double, 3> {
-    const Vec3 branch = world.branch(contacts.a[i], contacts.b[i], contacts.feature[i]);
-    const Vec3 term = contacts.force[i].cwiseProduct(branch);
-    return {term.x(), term.y(), term.z()};
-  });
+  const auto sums = order_free_sums<3>(contacts.size(), [&](std::size_t i) { return virial_term(world, contacts, i); });
   return {sums[0].sum, sums[1].sum, sums[2].sum};
 }
 

@@ -106,7 +106,8 @@ class RecordMemory {
   Record fresh_{};
 };
 
-/// Force on A times branch, by axis [N m]: the virial of a periodic cell, whose bits depend on the contacts alone.
+/// Force on A times branch, by axis [N m]: the virial of a periodic cell, whose bits depend on the contacts alone; of
+/// several processes of those that this one counts.
 Vec3 contact_virial(const World& world, const ContactSet& contacts);
 
 template <NormalLaw Normal, TangentialLaw Tangential, RollingLaw Rolling>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/ranks/shared_model.h"
 #include "engine/state/rotation.h"
 
 namespace epafi {
@@ -16,7 +17,7 @@ struct FarEnd {
   Vec3 velocity = Vec3::Zero();  ///< of the far body or frame at the near end [m/s]
 };
 
-class SpringForces final : public ContactLayer {
+class SpringForces final : public ContactLayer, public SharedModel {
  public:
   SpringForces(std::vector<SpringElement> springs, std::shared_ptr<const Guideway> way, bool smooth,
                std::unique_ptr<ContactModel> below)
@@ -29,9 +30,13 @@ class SpringForces final : public ContactLayer {
     attached_ = false;  // it may be another state that comes in
     visitor.column("springs/relaxed", relaxed_);
     visitor.column("springs/start", start_);
-    visitor.value("springs/lost_power", balance_.lost);
-    visitor.value("springs/driven_power", balance_.driven);
+    visitor.share("springs/lost_power", balance_.lost);
+    visitor.share("springs/driven_power", balance_.driven);
   }
+  void add_virial(const World& world, Virial& virial) const override {
+    if (const auto* below = dynamic_cast<const SharedModel*>(below_.get())) below->add_virial(world, virial);
+  }
+  void append_held_pulls(const World& world, std::vector<HeldPull>& pulls) const override;
 
  private:
   struct Balance {
@@ -48,6 +53,20 @@ class SpringForces final : public ContactLayer {
   /// Both its bodies are there still.
   bool holds(const World& world, std::size_t k) const {
     return world.slot_of(springs_[k].body) != no_slot && (!springs_[k].to || world.slot_of(*springs_[k].to) != no_slot);
+  }
+  /// And one of them is no ghost here.
+  bool acts(const World& world, std::size_t k) const {
+    if (!holds(world, k)) return false;
+    const auto is_here = [&](BodyId body) { return world.owner[world.slot_of(body)] == World::here; };
+    return world.owner.empty() || is_here(springs_[k].body) || (springs_[k].to && is_here(*springs_[k].to));
+  }
+  /// By one process of several: the owner of the first body, which is free.
+  bool counts(const World& world, std::size_t k) const {
+    return world.owner.empty() || world.owner[world.slot_of(springs_[k].body)] == World::here;
+  }
+  /// The second one is fixed or driven, and forces on such bodies are wanted.
+  bool pulls_held(const World& world, std::size_t k) const {
+    return springs_[k].to && world.columns().held_force && !world.is_movable(world.slot_of(*springs_[k].to));
   }
   /// Of the positions: the end of a smooth step, the middle of a non-smooth one.
   double time_of_forces(const World& world, const StepClock& clock) const {
@@ -200,16 +219,27 @@ void SpringForces::act(World& world, ContactSet& contacts, const StepClock& cloc
 void SpringForces::act_smooth(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) {
   Balance now;
   pulls_.assign(springs_.size(), {});
+  Balance counted_elsewhere;
   for (std::size_t k = 0; k < springs_.size(); ++k)
-    if (holds(world, k)) pulls_[k] = pull(world, k, clock, now);
+    if (acts(world, k)) pulls_[k] = pull(world, k, clock, counts(world, k) ? now : counted_elsewhere);
   below_->act(world, contacts, clock, report);
   for (std::size_t k = 0; k < springs_.size(); ++k)
-    if (holds(world, k)) push_smooth(world, k, pulls_[k]);
+    if (acts(world, k)) push_smooth(world, k, pulls_[k]);
   report.elastic += now.elastic;
   report.dissipated += 0.5 * clock.dt * (balance_.lost + now.lost);
   report.losses.viscous += 0.5 * clock.dt * (balance_.lost + now.lost);
   report.work += 0.5 * clock.dt * (balance_.driven + now.driven);
   balance_ = now;
+}
+
+void SpringForces::append_held_pulls(const World& world, std::vector<HeldPull>& pulls) const {
+  for (std::size_t k = 0; k < pulls_.size(); ++k) {
+    if (!holds(world, k) || !counts(world, k) || !pulls_held(world, k)) continue;
+    HeldPull& pull = pulls.emplace_back(HeldPull{k, *springs_[k].to});
+    const Vec3 &force = pulls_[k].force, torque = pulls_[k].far_arm.cross(force);
+    std::copy_n(force.data(), 3, pull.force);
+    std::copy_n(torque.data(), 3, pull.torque);
+  }
 }
 
 /// The impulses change v_k to v_k+1 together with those of contacts: what they do is by the mean of both velocities.

@@ -37,12 +37,21 @@ change=(--set world.gravity=[0,0,-5] --until 0.02 --quiet)
 on_ranks 3 1 "$shared" resume "$folder/acts2" "${change[@]}" > "$folder/log" 2>&1 || fail "changed on three: $(tail -1 "$folder/log")"
 [ "$(hash_of "$folder/acts2")" = "$(hash_of "$folder/acts")" ] || fail "acts, changed: another state"
 
+# springs, and a cell that follows its pressure
+for scene in springs pressed_cell; do
+  "$alone" run "$(dirname "$0")/$scene.toml" --quiet -t 1 -o "$folder/$scene" 2> "$folder/log" || fail "$scene, straight: $(tail -1 "$folder/log")"
+  on_ranks 2 1 "$shared" run "$(dirname "$0")/$scene.toml" --steps 300 --quiet -o "$folder/${scene}_2" > "$folder/log" 2>&1 || fail "$scene on two: $(tail -1 "$folder/log")"
+  on_ranks 3 1 "$shared" resume "$folder/${scene}_2" --steps 350 --quiet > "$folder/log" 2>&1 || fail "$scene on three: $(tail -1 "$folder/log")"
+  "$alone" resume "$folder/${scene}_2" --quiet -t 1 > "$folder/log" 2>&1 || fail "$scene alone: $(tail -1 "$folder/log")"
+  [ "$(hash_of "$folder/${scene}_2")" = "$(hash_of "$folder/$scene")" ] || fail "$scene after 2, 3 and 1 ranks: another state"
+done
+
 # a wrong scene, one message of rank 0, exit code 2
 cat > "$folder/wrong.toml" <<SCENE
 run = { duration = 0.1, time_step = 1e-4 }
 material.m = { density = 1000.0, youngs_modulus = "5 MPa", poissons_ratio = 0.3 }
 contact = { method = "smooth", restitution = 0.6, friction = 0.5, smooth = { law = "hertz-mindlin" } }
-world = { domain = { min = [0, 0, 0], max = [1, 1, 1], periodic = ["x"], strain_rate = [0.1, 0, 0] } }
+output = { problems = 10 }
 [[body]]
 shape = { sphere = { radius = 0.1 } }
 material = "m"
@@ -50,7 +59,7 @@ position = [0.5, 0.5, 0.5]
 SCENE
 on_ranks 3 1 "$shared" run "$folder/wrong.toml" -o "$folder/refused" > "$folder/log" 2>&1
 [ $? -eq 2 ] || fail "a scene that is refused: exit code $?"
-[ "$(grep -c 'wrong.toml:4:[0-9]*: error: a cell that deforms .*run the scene without' "$folder/log")" = 1 ] || fail "no single line that refuses: $(cat "$folder/log")"
+[ "$(grep -c 'wrong.toml:4:[0-9]*: error: output.problems_every .*run the scene without' "$folder/log")" = 1 ] || fail "no single line that refuses: $(cat "$folder/log")"
 on_ranks 3 1 "$shared" run "$folder/absent.toml" > "$folder/log" 2>&1
 code=$?
 "$alone" run "$folder/absent.toml" > /dev/null 2>&1

@@ -120,12 +120,13 @@ double BallBodies::driven_power(const World& world) const {
   return power;
 }
 
-Vec3 BallBodies::virial() const {
-  const auto sums = order_free_sums<3>(balls_.size(), [&](std::size_t k) -> std::array<double, 3> {
+void BallBodies::add_virial(const World& world, VirialSums& sums) const {
+  const VirialSums mine = order_free_totals<3>(balls_.size(), [&](std::size_t k) -> std::array<double, 3> {
+    if (!world.owner.empty() && world.owner[balls_[k].body] == World::elsewhere) return {};
     const Vec3 term = load_[k].force.cwiseProduct(offset_[k]);
     return {term.x(), term.y(), term.z()};
   });
-  return {sums[0].sum, sums[1].sum, sums[2].sum};
+  for (std::size_t axis = 0; axis < 3; ++axis) sums[axis] += mine[axis];
 }
 
 }  // namespace epafi

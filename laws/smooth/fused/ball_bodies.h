@@ -8,6 +8,7 @@
 
 #include "engine/state/body_ball.h"
 #include "engine/state/large_column.h"
+#include "engine/state/virial.h"
 #include "engine/state/world.h"
 #include "laws/smooth/fused/sphere_sum.h"
 
@@ -51,7 +52,8 @@ class BallBodies {
   /// Of held bodies on the others, by what was collected last [W].
   double driven_power(const World& world) const;
   /// Sum of force times offset over all balls, by axis [N m]: by it the virial of bodies exceeds that of balls.
-  Vec3 virial() const;
+  /// Of several processes of bodies that are not others'.
+  void add_virial(const World& world, VirialSums& sums) const;
 
  private:
   /// A body and its balls.

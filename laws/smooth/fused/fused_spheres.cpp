@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/lanes/targets.h"
+#include "engine/ranks/shared_model.h"
 #include "engine/state/touched_bodies.h"
 #include "engine/threads/parallel_order.h"
 #include "engine/threads/parallel_wavefront.h"
@@ -18,7 +19,7 @@ namespace epafi {
 namespace {
 
 /// Free spheres and all others.
-class FusedModel final : public FusedSpheres {
+class FusedModel final : public FusedSpheres, public SharedModel {
  public:
   FusedModel(const SmoothSetup& setup, double reach, std::size_t block_size)
       : laws_(tile_laws(setup)),
@@ -162,6 +163,12 @@ class FusedModel final : public FusedSpheres {
     }
   }
 
+  void add_virial(const World& world, Virial& virial) const override {
+    for (const auto& block : blocks_.blocks())
+      for (std::size_t k = 0; k < 3; ++k) virial.spheres[k] += block.virial[k];
+    blocks_.balls().add_virial(world, virial.balls);
+  }
+
   void reorder(const Reordering& change) override {
     generic_->reorder(change);
     blocks_.reorder(change);
@@ -255,6 +262,13 @@ class FusedModel final : public FusedSpheres {
     return all;
   }
 
+  /// Bodies of these places, of several processes.
+  bool all_are_here(std::size_t begin, std::size_t end) const {
+    std::size_t others = 0;
+    for (std::size_t place = begin; place < end; ++place) others += owner_[place] != World::here;
+    return others == 0;
+  }
+
   /// What every block reads and writes; its own sums and moments come on top.
   SphereArrays arrays_of(const World& world, const StepClock& clock, bool tells_energy) {
     SphereArrays arrays{
@@ -294,6 +308,7 @@ class FusedModel final : public FusedSpheres {
       blocks_.clear_accumulator(accumulator);
       SphereArrays mine = arrays;
       const std::size_t first = blocks_.begin_of(i);
+      if (mine.owner != nullptr && all_are_here(first, blocks_.end_of(i))) mine.owner = nullptr;  // so it counts all
       mine.sums = reinterpret_cast<std::uintptr_t>(blocks_.sums(accumulator)) - first * sizeof(SphereSum);
       mine.nowhere = SpherePlace(static_cast<Slot>(first + blocks_.block_size()));
       mine.moments = reinterpret_cast<std::uintptr_t>(blocks_.moments(accumulator)) - first * sizeof(Lanes);
@@ -368,20 +383,17 @@ class FusedModel final : public FusedSpheres {
     if (!world.cell && blocks_.balls().empty()) return;
     double power = world.owner.empty() ? blocks_.balls().driven_power(world)
                                        : SphereContacts(world, blocks_).driven_power(loads(world));
-    if (world.cell) power += deform(*world.cell, others);
+    if (world.cell) power += deform(world, others);
     report.work += 0.5 * dt * (driven_power_ + power);
     driven_power_ = power;
   }
   /// Adds the virial to that of the generic loop (which is of an earlier step where it did not run); returns the power
   /// of the strain on it.
-  double deform(PeriodicCell& cell, bool others) const {
-    Vec3 virial;
-    for (std::size_t k = 0; k < 3; ++k) {
-      OrderFreeSum sum;
-      for (const auto& block : blocks_.blocks()) sum += block.virial[k];
-      virial[static_cast<int>(k)] = sum.value();
-    }
-    if (!blocks_.balls().empty()) virial += blocks_.balls().virial();
+  double deform(World& world, bool others) const {
+    Virial found;
+    add_virial(world, found);
+    const Vec3 virial = found.value();
+    PeriodicCell& cell = *world.cell;
     cell.virial = others ? Vec3(cell.virial + virial) : virial;
     return virial.dot(cell.strain_rate);
   }

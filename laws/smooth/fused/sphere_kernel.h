@@ -280,6 +280,9 @@ struct SphereSweep {
     SpherePlace* const record_places = across ? block.record_places.data() + at.record : nullptr;
     for (std::size_t g = 0; g < t.groups; ++g)
       add_forces<n, remembers, wall, across, periodic>(t, g, with, records, record_places);
+    if constexpr (periodic && !wall)
+      if (with.owner != nullptr) [[unlikely]]
+        leave_out_virials<n>(t, with);
     total_up<n, remembers, periodic && !wall>(t, total, with.tells_energy, passes.needs.normal);
     at.write += static_cast<std::uint32_t>(t.count);
     if constexpr (across) at.record += static_cast<std::uint32_t>(t.count);

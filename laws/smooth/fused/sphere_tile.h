@@ -301,6 +301,17 @@ template <int n>
   }
 }
 
+/// The same of their virials, which are known last.
+template <int n>
+[[gnu::noinline]] void leave_out_virials(SphereTile<n>& t, const SphereArrays& with) {
+  for (std::size_t k = 0; k < t.count; ++k) {
+    if (with.counts(t.bodies[k])) continue;
+    auto& c = t.group[k / n];
+    const int lane = static_cast<int>(k % n);
+    c.virial_x[lane] = c.virial_y[lane] = c.virial_z[lane] = 0.0;
+  }
+}
+
 /// Adds what the contacts of a tile come to. At its end and not in every loop: masks and sums in memory were 25
 /// instructions of 560 for four contacts.
 template <int n, bool remembers, bool periodic>
