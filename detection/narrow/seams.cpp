@@ -82,6 +82,7 @@ void Seams::find(const World& world) {
 }
 
 void Seams::hide(const World& world, ContactSet& contacts) {
+  contacts.joined.clear();
   if (!joins_ && !solids_) return;
   list_groups(world, contacts);
   candidates_.clear();
@@ -94,8 +95,11 @@ void Seams::hide(const World& world, ContactSet& contacts) {
   for (const Candidate& c : candidates_)
     if (hidden_[c.contact] == 0 && is_hidden(world, contacts, c)) hidden_[c.contact] = 1;
   decide_faces(world, contacts);
-  rest_on_four(world, contacts);
+  rest_on_few(world, contacts);
   take_out(contacts, hidden_);
+  auto& joined = contacts.joined;
+  std::sort(joined.begin(), joined.end());
+  joined.erase(std::unique(joined.begin(), joined.end()), joined.end());
 }
 
 void Seams::list_groups(const World& world, const ContactSet& contacts) {
@@ -339,11 +343,13 @@ Vec3 Seams::centre_of_body(const World& world, const ContactSet& contacts, std::
   return wall_is_b ? Vec3(world.position[contacts.b[i]] - branch) : Vec3(world.position[contacts.a[i]] + branch);
 }
 
-bool Seams::is_hidden(const World& world, const ContactSet& contacts, const Candidate& c) {
+bool Seams::is_hidden(const World& world, ContactSet& contacts, const Candidate& c) {
   const auto hides = [&](const Other& other) {
     if (!is_on(shapes_, other.piece, c.point, other.level)) return false;
     if (other.piece.part == WallPiece::whole) join(world, c, other);
-    return holds_instead(world, contacts, c, other);
+    if (!holds_instead(world, contacts, c, other)) return false;
+    contacts.joined.push_back({c.body, other.wall, c.wall});
+    return true;
   };
   const std::size_t parts = c.piece.part == WallPiece::whole ? 0 : part_count(shapes_, c.piece.shape);
   for (std::size_t part = 0; part < parts; ++part)
@@ -370,7 +376,7 @@ std::uint32_t Seams::surface_of(std::uint32_t group) const {
 }
 
 /// Contacts of one surface come in the order of the ids of its walls: slots change.
-void Seams::rest_on_four(const World& world, ContactSet& contacts) {
+void Seams::rest_on_few(const World& world, ContactSet& contacts) {
   ordered_.clear();
   for (std::uint32_t k = 0; k < groups_.size(); ++k) {
     const std::uint32_t surface = surface_of(k);
@@ -386,12 +392,12 @@ void Seams::rest_on_four(const World& world, ContactSet& contacts) {
   ordered_.erase(std::unique(ordered_.begin(), ordered_.end()), ordered_.end());
   for (std::size_t begin = 0, end = 0; begin < ordered_.size(); begin = end) {
     while (end < ordered_.size() && surface_of(ordered_[end]) == surface_of(ordered_[begin])) ++end;
-    rest_on_four(world, contacts, std::span(ordered_).subspan(begin, end - begin));
+    rest_on_few(world, contacts, std::span(ordered_).subspan(begin, end - begin));
   }
 }
 
 /// Of two bodies either is the wall of the other; else it is what does not move freely.
-void Seams::rest_on_four(const World& world, ContactSet& contacts, std::span<const std::uint32_t> surface) {
+void Seams::rest_on_few(const World& world, ContactSet& contacts, std::span<const std::uint32_t> surface) {
   points_on_.clear();
   double size = infinity;
   for (const std::uint32_t k : surface) {
@@ -403,12 +409,32 @@ void Seams::rest_on_four(const World& world, ContactSet& contacts, std::span<con
                               wall_is_b ? Vec3(-contacts.normal[i]) : contacts.normal[i]});
     size = std::min({size, radius_[group.a], radius_[group.b]});
   }
-  if (points_on_.size() < 2 || !keep_few(points_on_, size, tolerance * size, contacts, hidden_)) return;
-  if (surface.size() > 1) return;
-  // what a contact remembers goes on at another point of the same two bodies, as over the faces of a mesh
-  const Slot a = groups_[surface.front()].a;
-  const auto at = std::lower_bound(contacts.meshes.begin(), contacts.meshes.end(), a);
-  if (at == contacts.meshes.end() || *at != a) contacts.meshes.insert(at, a);
+  if (points_on_.size() < 2) return;
+  const Group& first = groups_[surface.front()];
+  const bool body_is_b = surface.size() > 1 && world.is_movable(first.b);
+  for (OutlineCorners& o : outlines_) o.corners.clear();
+  if (springs_) find_corners(world, first.of(body_is_b), Vec3::Zero(), outlines_[0]);
+  if (springs_ && surface.size() == 1) find_corners(world, first.b, first.branch, outlines_[1]);
+  outlines_[1].side = -1.0;
+  if (!keep_few(points_on_, outlines_, size, tolerance * size, contacts, hidden_)) return;
+  // what a contact remembers goes on at another point
+  const Slot body = first.of(body_is_b);
+  const auto wall_of = [&](std::uint32_t k) { return groups_[k].of(groups_[k].a == body); };
+  for (const std::uint32_t k : surface)
+    for (const std::uint32_t m : surface) contacts.joined.push_back({body, wall_of(k), wall_of(m)});
+}
+
+/// Of bodies with flat faces; centre: of the body from that of the points.
+void Seams::find_corners(const World& world, Slot body, const Vec3& centre, OutlineCorners& out) const {
+  const Mat3 turn = world.pose(body).orientation.toRotationMatrix();
+  const auto take = [&](std::span<const Vec3> corners, double sweep) {
+    out.sweep = sweep;
+    for (const Vec3& corner : corners) out.corners.push_back(centre + turn * corner);
+  };
+  shapes_.with(shape_of(world, body), [&]<class S>(const S& s) {
+    if constexpr (PolyhedralShape<S>) take(s.view().vertices, s.rounding());
+    if constexpr (std::is_same_v<S, SolidParts>) take(s.outline.vertices, 0.0);
+  });
 }
 
 /// One of the body's contacts with the other wall has a normal of the union at the point, and the wall in question
