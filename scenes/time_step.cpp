@@ -32,13 +32,16 @@ struct Smallest {
 
 /// That a body may rest on: the overlapping ones of a face on a plane or on another face all carry.
 int corners_of_largest_face(const ShapeStore& shapes, ShapeRef ref) {
-  constexpr int least = 4;
-  if (ref.type() != ShapeStore::type_of<ConvexHull>()) return least;
-  const auto begins = shapes.of<ConvexHull>()[ref.index()].view().face_begin;
-  int most = least;
-  for (std::size_t f = 0; f + 1 < begins.size(); ++f)
-    most = std::max(most, static_cast<int>(begins[f + 1] - begins[f]));
-  return std::min(most, static_cast<int>(Patch::most));
+  return shapes.with(ref, []<class S>(const S& s) {
+    std::size_t most = 4;
+    if constexpr (PolyhedralShape<S>) {
+      const auto begins = s.view().face_begin;
+      for (std::size_t f = 0; f + 1 < begins.size(); ++f) most = std::max<std::size_t>(most, begins[f + 1] - begins[f]);
+    }
+    if constexpr (std::is_same_v<S, SolidParts>)
+      for (const auto& face : s.outline.faces) most = std::max(most, face.size());
+    return static_cast<int>(std::min(most, Patch::most));
+  });
 }
 
 int points_of(ShapeRef ref) {

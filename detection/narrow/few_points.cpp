@@ -21,11 +21,35 @@ bool add_place(std::vector<PatchPoint>& places, const Vec3& place, double gap, s
   return true;
 }
 
+/// The corners below the surface that the places lie on: into `kept`, if all of them and the deepest place are there.
+bool keep_corners_below(std::span<const PatchPoint> places, const Vec3& normal, const OutlineCorners& outline,
+                        double near, std::vector<PatchPoint>& kept) {
+  kept.clear();
+  const auto shallower = [](const PatchPoint& p, const PatchPoint& q) { return p.gap < q.gap; };
+  const PatchPoint& deepest = *std::min_element(places.begin(), places.end(), shallower);
+  const Vec3 out = outline.side * normal;
+  double lowest = infinity;
+  for (const Vec3& corner : outline.corners) {
+    const Vec3 tip = corner - outline.sweep * out;
+    const double gap = out.dot(tip - deepest.position) + 0.5 * deepest.gap;
+    if (!(gap < near)) continue;
+    const auto is_there = [&](const PatchPoint& p) {
+      return (p.position + 0.5 * p.gap * out - tip).squaredNorm() <= 4.0 * near * near;
+    };
+    const auto found = std::find_if(places.begin(), places.end(), is_there);
+    if (found == places.end() && gap < -near) return false;
+    if (found == places.end()) continue;
+    kept.push_back(*found);
+    lowest = std::min(lowest, gap);
+  }
+  return lowest <= deepest.gap + near;
+}
+
 }  // namespace
 
-bool keep_few(std::span<const SurfacePoint> points, double size, double near, ContactSet& contacts,
-              std::vector<std::uint8_t>& gone) {
-  static thread_local std::vector<PatchPoint> places;  // keep their sizes
+bool keep_few(std::span<const SurfacePoint> points, std::span<const OutlineCorners> outlines, double size, double near,
+              ContactSet& contacts, std::vector<std::uint8_t>& gone) {
+  static thread_local std::vector<PatchPoint> places, corners;  // keep their sizes
   static thread_local std::vector<std::uint8_t> seen;
   seen.assign(points.size(), 0);
   bool any_gone = false;
@@ -39,11 +63,16 @@ bool keep_few(std::span<const SurfacePoint> points, double size, double near, Co
       seen[k] = gone[p.contact] = 1;
       any_gone = !add_place(places, p.place, contacts.gap[p.contact], k, near) || any_gone;
     }
-    any_gone = any_gone || places.size() > 4;
-    Patch kept;
-    keep_four(places, points[first].normal, size, kept);
-    for (int k = 0; k < kept.count; ++k) {
-      const PatchPoint& p = kept.point[static_cast<std::size_t>(k)];
+    if (places.empty()) continue;
+    const Vec3& n = points[first].normal;
+    const auto rests = [&](const OutlineCorners& o) { return keep_corners_below(places, n, o, near, corners); };
+    if (std::ranges::none_of(outlines, rests)) {
+      Patch four;
+      keep_four(places, n, size, four);
+      corners.assign(four.point.begin(), four.point.begin() + four.count);
+    }
+    any_gone = any_gone || corners.size() < places.size();
+    for (const PatchPoint& p : corners) {
       const std::size_t contact = points[p.feature].contact;
       contacts.gap[contact] = p.gap;
       gone[contact] = 0;

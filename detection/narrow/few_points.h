@@ -1,6 +1,8 @@
-/// @file few_points.h  A rigid body rests on a surface with four points, of however many parts or walls that consists.
-/// Of the points with one normal that touch those remain that keep_four takes (manifold.h): the deepest, and those that
-/// span the largest area with it. Of points in one place one remains.
+/// @file few_points.h  On what points a rigid body rests on a surface, of however many parts or walls that consists.
+/// Under springs on the corners of its outline that lie below the surface, if all of them touch it: they stay the same
+/// as it turns, so the springs have a potential. Else, of the points with one normal that touch, on those that
+/// keep_four takes (manifold.h): the deepest, and those that span the largest area with it. Of points in one place one
+/// remains.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -20,10 +22,17 @@ struct SurfacePoint {
   Vec3 normal;  ///< unit, out of the wall
 };
 
-/// points: of one body; of equal ones the first is kept. size: of the smaller body [m]; near: closer is one place [m].
-/// Marks in `gone`, by contact, those that do not remain; the deepest that remains takes the least gap. True if some
-/// went.
-bool keep_few(std::span<const SurfacePoint> points, double size, double near, ContactSet& contacts,
-              std::vector<std::uint8_t>& gone);
+/// Corners of the convex outline of one of the two bodies, from the centre of the body of the points, world axes.
+struct OutlineCorners {
+  std::vector<Vec3> corners;
+  double sweep = 0.0;  ///< radius of the sphere swept over it [m]
+  double side = 1.0;   ///< -1: of the wall
+};
+
+/// points: of one body; of equal ones the first is kept. outlines: of the two bodies; none where no springs act or a
+/// body has no corners. size: of the smaller body [m]; near: closer is one place [m]. Marks in `gone`, by contact,
+/// those that do not remain; the deepest that remains takes the least gap. True if some went.
+bool keep_few(std::span<const SurfacePoint> points, std::span<const OutlineCorners> outlines, double size, double near,
+              ContactSet& contacts, std::vector<std::uint8_t>& gone);
 
 }  // namespace epafi

@@ -25,7 +25,7 @@ BatchNarrowPhase::BatchNarrowPhase(const ShapeStore& shapes, double reach, bool 
 
 BatchNarrowPhase::~BatchNarrowPhase() = default;
 
-void BatchNarrowPhase::join_walls() { seams_ = std::make_unique<Seams>(shapes_); }
+void BatchNarrowPhase::join_walls() { seams_ = std::make_unique<Seams>(shapes_, !(reach_ > 0.0)); }
 
 void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& block, std::size_t begin,
                                std::size_t end) {

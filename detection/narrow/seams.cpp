@@ -5,8 +5,6 @@
 #include <numeric>
 #include <utility>
 
-#include "detection/narrow/few_points.h"
-
 namespace epafi {
 
 namespace {
@@ -86,6 +84,7 @@ void Seams::find(const World& world) {
 }
 
 void Seams::hide(const World& world, ContactSet& contacts) {
+  contacts.joined.clear();
   if (!joins_ && !solids_) return;
   list_groups(world, contacts);
   candidates_.clear();
@@ -98,8 +97,11 @@ void Seams::hide(const World& world, ContactSet& contacts) {
   for (const Candidate& c : candidates_)
     if (hidden_[c.contact] == 0 && is_hidden(world, contacts, c)) hidden_[c.contact] = 1;
   decide_faces(world, contacts);
-  rest_on_four(world, contacts);
+  rest_on_few(world, contacts);
   take_out(contacts, hidden_);
+  auto& joined = contacts.joined;
+  std::sort(joined.begin(), joined.end());
+  joined.erase(std::unique(joined.begin(), joined.end()), joined.end());
 }
 
 void Seams::list_groups(const World& world, const ContactSet& contacts) {
@@ -345,11 +347,13 @@ Vec3 Seams::centre_of_body(const World& world, const ContactSet& contacts, std::
   return wall_is_b ? Vec3(world.position[contacts.b[i]] - branch) : Vec3(world.position[contacts.a[i]] + branch);
 }
 
-bool Seams::is_hidden(const World& world, const ContactSet& contacts, const Candidate& c) {
+bool Seams::is_hidden(const World& world, ContactSet& contacts, const Candidate& c) {
   const auto hides = [&](const Other& other) {
     if (!is_on(shapes_, other.piece, c.point, other.level)) return false;
     if (other.piece.part == WallPiece::whole) join(world, c, other);
-    return holds_instead(world, contacts, c, other);
+    if (!holds_instead(world, contacts, c, other)) return false;
+    contacts.joined.push_back({c.body, other.wall, c.wall});
+    return true;
   };
   const std::size_t parts = c.piece.part == WallPiece::whole ? 0 : part_count(shapes_, c.piece.shape);
   for (std::size_t part = 0; part < parts; ++part)
@@ -357,64 +361,6 @@ bool Seams::is_hidden(const World& world, const ContactSet& contacts, const Cand
         hides({c.wall, c.id, {c.piece.shape, c.piece.pose, part}, Vec3::Zero(), c.group, c.near}))
       return true;
   return std::ranges::any_of(others_of(c), hides);
-}
-
-/// Of two walls that move as one the body needs four points in all.
-void Seams::join(const World& world, const Candidate& c, const Other& other) {
-  const bool as_one = !world.is_movable(c.wall) && !world.is_movable(other.wall) &&
-                      world.velocity[c.wall] == world.velocity[other.wall] &&
-                      (!world.rotates() || world.angular_velocity[c.wall] == world.angular_velocity[other.wall]);
-  if (!as_one) return;
-  const std::uint32_t p = surface_of(static_cast<std::uint32_t>(c.group - groups_.data())),
-                      q = surface_of(static_cast<std::uint32_t>(other.held - groups_.data()));
-  surface_[std::max(p, q)] = std::min(p, q);
-}
-
-std::uint32_t Seams::surface_of(std::uint32_t group) const {
-  while (surface_[group] != group) group = surface_[group];
-  return group;
-}
-
-/// Contacts of one surface come in the order of the ids of its walls: slots change.
-void Seams::rest_on_four(const World& world, ContactSet& contacts) {
-  ordered_.clear();
-  for (std::uint32_t k = 0; k < groups_.size(); ++k) {
-    const std::uint32_t surface = surface_of(k);
-    if (surface != k)
-      ordered_.insert(ordered_.end(), {surface, k});
-    else if (parts_[groups_[k].a] != 0 || parts_[groups_[k].b] != 0)
-      ordered_.push_back(k);
-  }
-  const auto key = [&](std::uint32_t k) {
-    return std::tuple(surface_of(k), world.id[groups_[k].of(world.is_movable(groups_[k].a))], k);
-  };
-  std::ranges::sort(ordered_, {}, key);
-  ordered_.erase(std::unique(ordered_.begin(), ordered_.end()), ordered_.end());
-  for (std::size_t begin = 0, end = 0; begin < ordered_.size(); begin = end) {
-    while (end < ordered_.size() && surface_of(ordered_[end]) == surface_of(ordered_[begin])) ++end;
-    rest_on_four(world, contacts, std::span(ordered_).subspan(begin, end - begin));
-  }
-}
-
-/// Of two bodies either is the wall of the other; else it is what does not move freely.
-void Seams::rest_on_four(const World& world, ContactSet& contacts, std::span<const std::uint32_t> surface) {
-  points_on_.clear();
-  double size = infinity;
-  for (const std::uint32_t k : surface) {
-    const Group& group = groups_[k];
-    const bool wall_is_b = surface.size() == 1 || world.is_movable(group.a);
-    for (std::size_t i = group.begin; i < group.end; ++i)
-      if (hidden_[i] == 0)
-        points_on_.push_back({i, wall_is_b ? contacts.arm[i] : Vec3(contacts.arm[i] - group.branch),
-                              wall_is_b ? Vec3(-contacts.normal[i]) : contacts.normal[i]});
-    size = std::min({size, radius_[group.a], radius_[group.b]});
-  }
-  if (points_on_.size() < 2 || !keep_few(points_on_, size, tolerance * size, contacts, hidden_)) return;
-  if (surface.size() > 1) return;
-  // what a contact remembers goes on at another point of the same two bodies, as over the faces of a mesh
-  const Slot a = groups_[surface.front()].a;
-  const auto at = std::lower_bound(contacts.meshes.begin(), contacts.meshes.end(), a);
-  if (at == contacts.meshes.end() || *at != a) contacts.meshes.insert(at, a);
 }
 
 /// One of the body's contacts with the other wall has a normal of the union at the point, and the wall in question

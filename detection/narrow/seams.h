@@ -7,13 +7,14 @@
 /// one of lower id keeps the contact. Walls are fixed or driven bodies, and free ones that stand still against each
 /// other (tiles on a floor, stones of an arch): those may differ in level by as much as they are pressed in there, up
 /// to a tenth of half their least width. In a periodic cell a wall that is as wide as the cell touches its own images.
-/// The convex parts of a solid, free or fixed, are one surface in the same way. A body rests on a surface of walls that
-/// move as one, or with all its parts on a wall, with four points.
+/// The convex parts of a solid, free or fixed, are one surface in the same way. On a surface of walls that move as one
+/// a body rests with the points of one wall, and so does a body of parts (few_points.h).
 ///
-/// Limits: of closed meshes only the surface counts, not what it encloses; what a contact remembers (friction, plastic
-/// history) ends with its wall; free bodies are not joined for a body that touches more than 64, or that is held.
+/// Limits: of closed meshes only the surface counts, not what it encloses; free bodies are not joined for a body that
+/// touches more than 64, or that is held.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -33,8 +34,8 @@ class Seams {
   /// creep by what solvers leave, 1e-6 of a metre in a second.
   static constexpr double free_tolerance = 1e-4;
 
-  /// `shapes` must outlive this.
-  explicit Seams(const ShapeStore& shapes) : shapes_(shapes) {}
+  /// `shapes` must outlive this. springs: contacts overlap, and what they carry has a potential.
+  Seams(const ShapeStore& shapes, bool springs) : shapes_(shapes), springs_(springs) {}
 
   /// Which bodies have flat faces; whenever slots have other bodies.
   void find(const World& world);
@@ -120,35 +121,38 @@ class Seams {
   double near_of(Slot wall, Slot body) const;
   Candidate candidate(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b) const;
   WallPiece piece_at(const Candidate& c, const Vec3& point) const;
-  bool is_hidden(const World& world, const ContactSet& contacts, const Candidate& c);
+  bool is_hidden(const World& world, ContactSet& contacts, const Candidate& c);
   void join(const World& world, const Candidate& c, const Other& other);
   std::uint32_t surface_of(std::uint32_t group) const;
-  void rest_on_four(const World& world, ContactSet& contacts);
-  void rest_on_four(const World& world, ContactSet& contacts, std::span<const std::uint32_t> surface);
+  void rest_on_few(const World& world, ContactSet& contacts);
+  void rest_on_few(const World& world, ContactSet& contacts, std::span<const std::uint32_t> surface);
+  void find_corners(const World& world, Slot body, const Vec3& centre, OutlineCorners& out) const;
   bool holds_instead(const World& world, const ContactSet& contacts, const Candidate& c, const Other& other) const;
   static bool comes_first(const Candidate& c, const Other& other);
   static Vec3 centre_of_body(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b);
   void decide_faces(const World& world, ContactSet& contacts);
 
   const ShapeStore& shapes_;
-  bool solids_ = false;                  ///< some body has parts
-  bool joins_ = false;                   ///< there are bodies with flat faces that may touch
-  std::vector<std::uint8_t> flat_;       ///< by slot: has flat faces
-  std::vector<std::uint8_t> convex_;     ///< by slot: lies behind each of its contact planes
-  std::vector<std::uint8_t> parts_;      ///< by slot: has several convex parts
-  std::vector<double> radius_;           ///< by slot: of the bounding sphere [m]
-  std::vector<double> thin_;             ///< by slot: half the least width of the box around it [m]
-  std::vector<double> deepest_;          ///< by slot: overlap of the contacts of free bodies [m]
-  Lists of_body_;                        ///< places in groups_
-  Lists level_;                          ///< of_body_, of those that may have level neighbours
-  Points points_;                        ///< of one body
-  std::vector<Group> groups_;            ///< with a body of flat faces, in the order of the contacts
-  std::vector<Candidate> candidates_;    ///< in the order of the contacts
-  std::vector<Other> others_;            ///< of the candidates
-  std::vector<std::uint8_t> hidden_;     ///< by contact
-  std::vector<std::uint32_t> surface_;   ///< by group: an earlier one whose wall is of the same surface, or itself
-  std::vector<std::uint32_t> ordered_;   ///< groups that share a surface, or have a body of parts
-  std::vector<SurfacePoint> points_on_;  ///< of one surface
+  bool springs_;
+  bool solids_ = false;                     ///< some body has parts
+  bool joins_ = false;                      ///< there are bodies with flat faces that may touch
+  std::vector<std::uint8_t> flat_;          ///< by slot: has flat faces
+  std::vector<std::uint8_t> convex_;        ///< by slot: lies behind each of its contact planes
+  std::vector<std::uint8_t> parts_;         ///< by slot: has several convex parts
+  std::vector<double> radius_;              ///< by slot: of the bounding sphere [m]
+  std::vector<double> thin_;                ///< by slot: half the least width of the box around it [m]
+  std::vector<double> deepest_;             ///< by slot: overlap of the contacts of free bodies [m]
+  Lists of_body_;                           ///< places in groups_
+  Lists level_;                             ///< of_body_, of those that may have level neighbours
+  Points points_;                           ///< of one body
+  std::vector<Group> groups_;               ///< with a body of flat faces, in the order of the contacts
+  std::vector<Candidate> candidates_;       ///< in the order of the contacts
+  std::vector<Other> others_;               ///< of the candidates
+  std::vector<std::uint8_t> hidden_;        ///< by contact
+  std::vector<std::uint32_t> surface_;      ///< by group: an earlier one whose wall is of the same surface, or itself
+  std::vector<std::uint32_t> ordered_;      ///< groups that share a surface, or have a body of parts
+  std::vector<SurfacePoint> points_on_;     ///< of one surface
+  std::array<OutlineCorners, 2> outlines_;  ///< of the bodies there
 };
 
 }  // namespace epafi

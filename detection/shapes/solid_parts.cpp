@@ -54,6 +54,8 @@ PlacedSolid place_solid(TriangleSurface given, const Place& place, double precis
                                  "polyhedron = {{ file = ... }} for its convex hull",
                                  solid.parts.size(), SolidParts::most_parts),
                      place);
+  constexpr double rounding = 1e-13;  // of the radius
+  solid.outline = hull_from_points(surface.vertices, place, precision + rounding * solid.radius);
   solid.surface = std::move(surface);
   return out;
 }

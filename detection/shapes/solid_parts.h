@@ -7,6 +7,7 @@
 
 #include "detection/mass_properties.h"
 #include "detection/shapes/convex_hull.h"
+#include "detection/shapes/hull_from_points.h"
 #include "engine/units/error.h"
 
 namespace epafi {
@@ -34,6 +35,7 @@ struct SolidParts {
     Vec3 centre;      ///< body axes [m]
   };
   std::vector<Placed> parts;
+  HullSurface outline;          ///< convex hull of all, body axes: its corners carry the body on a plane; may be empty
   TriangleSurface surface;      ///< body axes; for pictures
   double volume = 0.0;          ///< [m^3]
   Mat3 inertia = Mat3::Zero();  ///< about the origin at density 1 [kg m^2]

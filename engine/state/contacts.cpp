@@ -1,8 +1,10 @@
 #include "engine/state/contacts.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "engine/state/contact_order.h"
 #include "engine/threads/parallel_order.h"
@@ -97,6 +99,14 @@ void ContactSet::sort() {
   permute(order, a, b, feature, gap, normal, arm, effective_radius, area, force, moment);
 }
 
+std::span<const JoinedWalls> ContactSet::joined_to(Slot body, Slot wall) const {
+  const auto is_before = [](const JoinedWalls& p, const JoinedWalls& q) {
+    return std::tuple(p.body, p.wall) < std::tuple(q.body, q.wall);
+  };
+  const auto [begin, end] = std::equal_range(joined.begin(), joined.end(), JoinedWalls{body, wall, 0}, is_before);
+  return {begin, end};
+}
+
 std::size_t ContactSet::bytes_per_contact() const {
   return 2 * sizeof(Slot) + sizeof(Feature) + sizeof(double) + 3 * sizeof(Vec3) +
          (with_curvature ? sizeof(double) : 0) + (with_area ? sizeof(double) : 0) + (with_moment ? sizeof(Vec3) : 0);
@@ -108,13 +118,13 @@ namespace {
 /// between).
 constexpr Feature image_bits = Feature{0xff} << 56, body_bits = 0xfffffff;
 
-/// The contacts of one pair of bodies in a list in canonical order.
+/// The contacts of one pair of bodies in a list in canonical order, in some of its images.
 struct PairRange {
   const std::vector<Feature>& feature;
   std::size_t begin, end;
 
   PairRange(const std::vector<Slot>& a, const std::vector<Slot>& b, const std::vector<Feature>& features, Slot first,
-            Slot second, Feature image)
+            Slot second, Feature first_image, Feature last_image)
       : feature(features) {
     const auto bound = [&](Feature f) {  // the first entry that is not before it
       std::size_t low = 0, high = a.size();
@@ -127,9 +137,9 @@ struct PairRange {
       }
       return low;
     };
-    begin = bound(image);
+    begin = bound(first_image);
     end = begin;
-    while (end < a.size() && a[end] == first && b[end] == second && (features[end] & image_bits) == image) ++end;
+    while (end < a.size() && a[end] == first && b[end] == second && (features[end] & image_bits) <= last_image) ++end;
   }
   /// Index of the entry of that feature; `end` where there is none.
   std::size_t find(Feature f) const {
@@ -155,25 +165,53 @@ struct Chosen {
 }  // namespace
 
 std::uint32_t ContactMemory::left_for(const ContactSet& contacts, std::size_t i, const IsEmpty& is_empty) const {
+  const Slot a = contacts.a[i], b = contacts.b[i];
   const Feature f = contacts.feature[i], image = f & image_bits, name = f & body_bits;
-  const PairRange now(contacts.a, contacts.b, contacts.feature, contacts.a[i], contacts.b[i], image);
-  const PairRange before(a_, b_, feature_, contacts.a[i], contacts.b[i], image);
   Chosen begun, ended;
-  for (std::size_t k = before.begin; k < before.end; ++k)
-    if (now.find(feature_[k]) == now.end && !(is_empty && is_empty(k))) ended.take(before, k, name);
-  if (ended.all == 0) return none;
-  for (std::size_t k = now.begin; k < now.end; ++k) {
-    const std::size_t was = before.find(contacts.feature[k]);
-    if (was == before.end || (is_empty && is_empty(was))) begun.take(now, k, name);
-  }
+  const auto look_at = [&](Slot first, Slot second, Feature first_image, Feature last_image) {
+    const PairRange now(contacts.a, contacts.b, contacts.feature, first, second, first_image, last_image);
+    const PairRange before(a_, b_, feature_, first, second, first_image, last_image);
+    for (std::size_t k = before.begin; k < before.end; ++k)
+      if (now.find(feature_[k]) == now.end && !(is_empty && is_empty(k))) ended.take(before, k, name);
+    for (std::size_t k = now.begin; k < now.end; ++k) {
+      const std::size_t was = before.find(contacts.feature[k]);
+      if (was == before.end || (is_empty && is_empty(was))) begun.take(now, k, name);
+    }
+  };
+  const std::array joined = {contacts.joined_to(a, b), contacts.joined_to(b, a)};
+  const bool alone = joined[0].empty() && joined[1].empty();
+  look_at(a, b, alone ? image : 0, alone ? image : image_bits);
+  for (const auto& walls : joined)
+    for (const JoinedWalls& w : walls) {
+      if (w.other == w.wall) continue;
+      look_at(w.body, w.other, 0, image_bits);  // one of both: the body of lower id comes first
+      look_at(w.other, w.body, 0, image_bits);
+    }
   if (begun.of_name == 1 && ended.of_name == 1) return static_cast<std::uint32_t>(ended.last_of_name);
   if (begun.all == 1 && ended.all == 1) return static_cast<std::uint32_t>(ended.last);
   return none;
 }
 
-void ContactMemory::match(const ContactSet& contacts, std::vector<std::uint32_t>& previous, const IsEmpty& is_empty) {
+/// Of two contacts that would go on from the same one the first does.
+void ContactMemory::settle_joined(const ContactSet& contacts, std::vector<std::uint32_t>& previous,
+                                  std::vector<std::uint32_t>* turned) {
+  taken_.assign(a_.size(), 0);
+  for (std::uint32_t i = 0; i < contacts.size(); ++i) {
+    std::uint32_t& k = previous[i];
+    if (k == none) continue;
+    if (std::exchange(taken_[k], 1) != 0) k = none;
+    if (k != none && turned && (a_[k] == contacts.b[i] || b_[k] == contacts.a[i])) turned->push_back(i);
+  }
+}
+
+void ContactMemory::match(const ContactSet& contacts, std::vector<std::uint32_t>& previous, const IsEmpty& is_empty,
+                          std::vector<std::uint32_t>* turned) {
   previous.resize(contacts.size());
   const auto is_mesh = [&](Slot s) { return std::binary_search(contacts.meshes.begin(), contacts.meshes.end(), s); };
+  const auto may_go_on = [&](Slot a, Slot b) {
+    return is_mesh(a) || is_mesh(b) || !contacts.joined_to(a, b).empty() || !contacts.joined_to(b, a).empty();
+  };
+  const bool none_may = contacts.meshes.empty() && contacts.joined.empty();
   parallel_blocks(contacts.size(), 1024, [&](std::size_t begin, std::size_t end, std::size_t) {
     const auto key = [&](std::size_t i) { return std::tuple(contacts.a[i], contacts.b[i], contacts.feature[i]); };
     const auto old = [&](std::size_t k) { return std::tuple(a_[k], b_[k], feature_[k]); };
@@ -184,12 +222,11 @@ void ContactMemory::match(const ContactSet& contacts, std::vector<std::uint32_t>
       while (k < a_.size() && old(k) < wanted) ++k;
       const bool found = k < a_.size() && old(k) == wanted;
       previous[i] = found ? static_cast<std::uint32_t>(k) : none;
-      if (contacts.meshes.empty() || (found && !(is_empty && is_empty(k))) ||
-          !(is_mesh(contacts.a[i]) || is_mesh(contacts.b[i])))
-        continue;
+      if (none_may || (found && !(is_empty && is_empty(k))) || !may_go_on(contacts.a[i], contacts.b[i])) continue;
       if (const std::uint32_t left = left_for(contacts, i, is_empty); left != none) previous[i] = left;
     }
   });
+  if (!contacts.joined.empty()) settle_joined(contacts, previous, turned);
   a_ = contacts.a;
   b_ = contacts.b;
   feature_ = contacts.feature;

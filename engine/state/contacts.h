@@ -70,13 +70,21 @@ struct ContactPoint {
   double area = 0.0;  ///< volume over overlap of a cell of overlap volume [m^2], where needed
 };
 
+/// Walls that are one surface to a body: its contact with `wall` may go on from one with `other`, or from one at
+/// another place of the same wall.
+struct JoinedWalls {
+  Slot body, wall, other;
+  auto operator<=>(const JoinedWalls&) const = default;  // NOLINT(modernize-use-nullptr): as above
+};
+
 /// Columns of contacts. Columns the plan does not need stay empty.
 struct ContactSet {
   bool with_curvature = false;  ///< effective_radius is filled
   bool with_moment = false;     ///< moment is filled by the contact model
   bool with_area = false;       ///< area is filled: contacts are cells of overlap volume
 
-  std::vector<Slot> meshes;  ///< ascending: bodies whose contacts go from face to face of one surface
+  std::vector<Slot> meshes;         ///< ascending: bodies whose contacts go from face to face of one surface
+  std::vector<JoinedWalls> joined;  ///< ascending
 
   std::vector<Slot> a, b;
   std::vector<Feature> feature;
@@ -99,6 +107,7 @@ struct ContactSet {
   void sort();
   /// Appends all of `other` behind this.
   void append(const ContactSet& other);
+  std::span<const JoinedWalls> joined_to(Slot body, Slot wall) const;
   /// From B's centre to the contact point [m].
   Vec3 arm_b(std::size_t i, const World& world) const { return arm[i] - world.branch(a[i], b[i], feature[i]); }
   Vec3 point(std::size_t i, const World& world) const { return world.position[a[i]] + arm[i]; }
@@ -107,16 +116,18 @@ struct ContactSet {
 };
 
 /// Keys of the contacts of the last step, for whatever is carried from step to step (tangential springs, warm starts).
-/// Both lists are in canonical order, so matching is one merge. On a mesh a contact that begins where another of the
-/// same two bodies ends is the same one, gone on over an edge: of one name on the body, or the only one that begins and
-/// ends. One that was near before, but of which nothing is remembered, begins too.
+/// Both lists are in canonical order, so matching is one merge. On a mesh, and where walls are joined, a contact that
+/// begins where another one of the body ends is the same, gone on over an edge or seam: of one name on the body, or the
+/// only one that begins and ends. One that was near before, but of which nothing is remembered, begins too.
 class ContactMemory {
  public:
   static constexpr std::uint32_t none = 0xffffffffu;
   using IsEmpty = std::function<bool(std::size_t)>;
   /// previous[i] = index in the remembered list of contact i, or none; then remembers `contacts`.
-  /// is_empty(k): nothing is known of the remembered contact k but its name.
-  void match(const ContactSet& contacts, std::vector<std::uint32_t>& previous, const IsEmpty& is_empty = {});
+  /// is_empty(k): nothing is known of the remembered contact k but its name. turned: takes the contacts whose body A
+  /// was B in what is remembered.
+  void match(const ContactSet& contacts, std::vector<std::uint32_t>& previous, const IsEmpty& is_empty = {},
+             std::vector<std::uint32_t>* turned = nullptr);
   /// Renames slots and restores canonical order; order[k] = old index of the entry now at k (removed ones are dropped).
   std::vector<std::uint32_t> reorder(const Reordering& change);
   void visit(StateVisitor& visitor, const std::string& name);
@@ -124,9 +135,12 @@ class ContactMemory {
 
  private:
   std::uint32_t left_for(const ContactSet& contacts, std::size_t i, const IsEmpty& is_empty) const;
+  void settle_joined(const ContactSet& contacts, std::vector<std::uint32_t>& previous,
+                     std::vector<std::uint32_t>* turned);
 
   std::vector<Slot> a_, b_;
   std::vector<Feature> feature_;
+  std::vector<std::uint8_t> taken_;  ///< of the remembered contacts, where walls are joined
 };
 
 }  // namespace epafi

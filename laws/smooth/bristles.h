@@ -30,6 +30,12 @@ struct alignas(Bristles) PackedBristles {
   const Bristles& get() const { return *reinterpret_cast<const Bristles*>(bytes); }
 };
 
+/// The same with bodies A and B exchanged.
+inline void exchange(Bristles& bristles) {
+  if (!(bristles.width > 0.0)) return;
+  for (Vec3& load : bristles.load) load = -load;
+}
+
 /// [J]
 double energy_of(const Bristles& bristles);
 

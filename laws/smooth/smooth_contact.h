@@ -66,14 +66,24 @@ struct ContactHistory {
 template <class N, class T, class R>
 inline constexpr bool is_plain<ContactHistory<N, T, R>> = true;  // numbers and Eigen's vectors only
 
+/// The same with bodies A and B exchanged; what belongs to the normal has no side.
+template <class N, class T, class R>
+void exchange(ContactHistory<N, T, R>& history) {
+  if constexpr (requires { exchange(history.friction); }) exchange(history.friction);
+  if constexpr (requires { exchange(history.rolling); }) exchange(history.rolling);
+}
+
 /// Records of all contacts, carried by contact key; the last step's beside this one's.
 template <class Record>
 class RecordMemory {
  public:
   void advance(const ContactSet& contacts) {
-    keys_.match(contacts, previous_,
-                [&](std::size_t k) { return std::memcmp(&now_[k], &fresh_, sizeof(Record)) == 0; });
+    turned_.clear();
+    keys_.match(
+        contacts, previous_, [&](std::size_t k) { return std::memcmp(&now_[k], &fresh_, sizeof(Record)) == 0; },
+        &turned_);
     old_.swap(now_);
+    for (const std::uint32_t i : turned_) exchange(old_[previous_[i]]);
     now_.resize(contacts.size());
   }
   /// Of contact i in the last step: an unloaded one where the contact is new.
@@ -101,7 +111,7 @@ class RecordMemory {
 
  private:
   ContactMemory keys_;
-  std::vector<std::uint32_t> previous_;
+  std::vector<std::uint32_t> previous_, turned_;
   std::vector<Record> old_, now_;
   Record fresh_{};
 };

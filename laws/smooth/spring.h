@@ -17,6 +17,9 @@ struct Spring {
   double energy() const { return stiffness > 0.0 ? 0.5 * load.squaredNorm() / stiffness : 0.0; }
 };
 
+/// The same with bodies A and B exchanged.
+inline void exchange(Spring& spring) { spring.load = -spring.load; }
+
 template <>
 inline constexpr bool is_plain<Spring> = true;  // four doubles; Eigen's copy is not trivial by name only
 

@@ -180,7 +180,7 @@ TEST_CASE("what remains does not depend on tremor, and is the same surface for t
       const ContactSet found = f.contacts();
       if (tremor == 0) kept = found.feature;
       CHECK(found.feature == kept);
-      if (solid.parts.size() > 1) CHECK(found.meshes.size() == 1);
+      if (solid.parts.size() > 1) CHECK(found.joined.size() == 1);
     }
   }
 }

@@ -184,3 +184,51 @@ TEST_CASE("on a mesh a contact goes on over an edge, where it can be told which"
   memory.match(later, previous, is_second);
   CHECK(previous == List{0});
 }
+
+TEST_CASE("over joined walls a contact goes on with one that ends there, each with one", "[engine][contacts]") {
+  using List = std::vector<std::uint32_t>;
+  constexpr std::uint32_t none = ContactMemory::none;
+  // body 5 is B of walls 3 and 4, A of wall 8
+  const auto previous_of = [](const std::vector<Key>& before, const std::vector<Key>& now, bool joined, List& turned) {
+    ContactMemory memory;
+    List previous;
+    memory.match(set_of(before), previous);
+    ContactSet set = set_of(now);
+    if (joined) set.joined = {{5, 3, 4}, {5, 3, 8}, {5, 4, 3}, {5, 8, 3}};
+    turned.clear();
+    memory.match(set, previous, {}, &turned);
+    return previous;
+  };
+  List turned;
+  CHECK(previous_of({{3, 5, 7}}, {{4, 5, 9}}, true, turned) == List{0});
+  CHECK(turned.empty());
+  CHECK(previous_of({{3, 5, 7}}, {{4, 5, 9}}, false, turned) == List{none});
+  CHECK(previous_of({{3, 5, 7}}, {{5, 8, 7}}, true, turned) == List{0});
+  CHECK(turned == List{0});
+  CHECK(previous_of({{3, 5, 7}}, {{3, 5, 7}, {4, 5, 7}}, true, turned) == List{0, none});             // it goes on
+  CHECK(previous_of({{3, 5, 1}, {3, 5, 2}}, {{4, 5, 2}, {4, 5, 6}}, true, turned) == List{1, none});  // by name
+  CHECK(previous_of({{3, 6, 1}}, {{4, 5, 2}}, true, turned) == List{none});                           // another body's
+  CHECK(previous_of({{4, 5, 1}}, {{5, 8, 2}}, true, turned) == List{none});  // walls 4 and 8 do not touch
+
+  Random random(8, 1);
+  for (int draw = 0; draw < 100; ++draw) {
+    const auto before = random_keys(random, 12, 0.3), now = random_keys(random, 12, 0.3);
+    ContactMemory memory;
+    List previous;
+    memory.match(set_of(before), previous);
+    ContactSet set = set_of(now);
+    for (Slot body = 0; body < 12; ++body)
+      for (Slot wall = 0; wall < 12; ++wall)
+        for (Slot other = 0; other < 12; ++other)
+          if (random.uniform() < 0.2) set.joined.push_back({body, wall, other});
+    memory.match(set, previous);
+    std::vector<int> times(before.size(), 0);
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      if (previous[i] == none) continue;
+      ++times[previous[i]];
+      const bool ended = !std::binary_search(now.begin(), now.end(), before[previous[i]]);
+      CHECK((ended || before[previous[i]] == now[i]));
+    }
+    CHECK(std::all_of(times.begin(), times.end(), [](int n) { return n <= 1; }));
+  }
+}

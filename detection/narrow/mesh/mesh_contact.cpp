@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "detection/narrow/polyhedra/manifold.h"
 #include "engine/state/frame.h"
 
 namespace epafi {
@@ -63,7 +62,7 @@ void drop_far(const TriangleMesh& mesh, const Vec3& x, double distance, std::siz
                   triangles.end());
 }
 
-void reduce(std::vector<MeshPoint>& points, double size) {
+void reduce(std::vector<MeshPoint>& points, double size, bool springs) {
   std::sort(points.begin(), points.end(), [](const MeshPoint& a, const MeshPoint& b) { return a.feature < b.feature; });
   std::size_t kept = 0;
   for (const MeshPoint& p : points) {
@@ -86,9 +85,10 @@ void reduce(std::vector<MeshPoint>& points, double size) {
     group.clear();
     for (std::size_t k = first; k < kept; ++k)
       if (is_parallel(points[k].normal, n)) group.push_back({points[k].position, points[k].gap, points[k].feature});
-    keep_outline(group, n, same * size);
+    const bool corners = std::ranges::all_of(group, is_corner_of_body, &PatchPoint::feature);
+    if (!springs || !corners) keep_outline(group, n, same * size);
     Patch patch;
-    keep_four(group, n, size, patch);
+    keep_corners(group, n, size, springs && corners, patch);
     for (int k = 0; k < patch.count; ++k) {
       const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
       out.push_back({p.position, n, p.gap, p.feature});

@@ -8,6 +8,7 @@
 
 #include "detection/narrow/mesh/point_triangle.h"
 #include "detection/narrow/pairs/pair_query.h"
+#include "detection/narrow/polyhedra/manifold.h"
 #include "detection/shapes/triangle_mesh.h"
 
 namespace epafi {
@@ -58,9 +59,18 @@ inline Vec3 normal_towards(const TriangleMesh& mesh, std::uint32_t t, const Vec3
 void drop_far(const TriangleMesh& mesh, const Vec3& x, double distance, std::size_t first,
               std::vector<std::uint32_t>& triangles);
 
+/// How a point is named: kind (2 bits), what it is on the body (18 bits), side of the triangle (2 bits).
+constexpr std::uint32_t local_name(FeatureKind kind, std::uint32_t on_body, std::uint32_t side) {
+  return static_cast<std::uint32_t>(kind) << 20 | (on_body & 0x3ffffu) << 2 | (side & 3u);
+}
+constexpr bool is_corner_of_body(Feature mesh_feature) {
+  return FeatureKind(mesh_feature >> 20 & 0xff) == FeatureKind::vertex_a;
+}
+
 /// Merges points that are one (position and normal within 1e-6 of `size` and of 1), keeping the lowest feature; of
-/// points with one normal keeps at most 4 that span the largest area, the deepest among them.
-void reduce(std::vector<MeshPoint>& points, double size);
+/// points with one normal keeps all if they are corners of the body and springs act there, else those that keep_four
+/// takes of their outline (manifold.h).
+void reduce(std::vector<MeshPoint>& points, double size, bool springs);
 
 /// Hands the points to the sink, with the body as A. body: its pose in the mesh's axes.
 void emit(std::span<const MeshPoint> points, const Vec3& body, double radius, const PairQuery& q, ContactSink& sink);

@@ -35,11 +35,6 @@ std::uint32_t face_against(const PolyhedronView& p, const Vec3& n) {
   return best;
 }
 
-/// How a point is named: kind (2 bits), what it is on the body (18 bits), side of the triangle (2 bits).
-std::uint32_t local_name(FeatureKind kind, std::uint32_t on_body, std::uint32_t side) {
-  return static_cast<std::uint32_t>(kind) << 20 | (on_body & 0x3ffffu) << 2 | (side & 3u);
-}
-
 /// The contacts of a body with a plane as if it were a half-space, as f(point, gap, feature of the closed form).
 template <class Collide, class F>
 void points_on_plane(const PlacedCore& b, const Vec3& n, const Vec3& point, const Collide& collide, const F& f) {
@@ -450,7 +445,7 @@ void collide_all(const Side& side, double sweep, double radius, const TriangleMe
   const PlacedCore body{core, sweep, pose, pose.orientation.toRotationMatrix(), q.reach, on_surface * core.radius,
                         &mesh};
   ConvexOnMesh<Side>(side, body, triangles, points, sink).collide();
-  reduce(points, core.radius);
+  reduce(points, core.radius, !(q.reach > 0.0));
   emit(points, pose.position, radius, q, sink);
 }
 

@@ -2,11 +2,11 @@
 /// the side on which its centre is. Contacts are local minima of the distance over the surface: one whose nearest point
 /// also lies on a triangle that comes closer, or behind one, is left out, so inner edges and vertices are not felt. A
 /// convex body is held by the convex regions of the surface (mesh_region.h): on a face by its plane, as deep as the
-/// region lets it be; at edges and corners by the way out of the region. Of one normal at most four points are kept. On
-/// a face the contact is named by the face, not by the triangle: its memory survives the way from triangle to triangle.
-/// A ball in a shallow hollow touches once: of faces that edges bent by less than a degree join, the nearest stands for
-/// those within 30 degrees. Limits: bodies that move more than their size through the surface in one step; hulls, and
-/// balls in steeper hollows, have one contact for each face.
+/// region lets it be; at edges and corners by the way out of the region. Of one normal at most four points are kept, or
+/// under springs all corners of the body. On a face the contact is named by the face, not by the triangle: its memory
+/// survives the way from triangle to triangle. A ball in a shallow hollow touches once: of faces that edges bent by
+/// less than a degree join, the nearest stands for those within 30 degrees. Limits: bodies that move more than their
+/// size through the surface in one step; hulls, and balls in steeper hollows, have one contact for each face.
 #pragma once
 #include "detection/narrow/mesh/mesh_contact.h"
 #include "detection/narrow/pairs/closed_forms.h"

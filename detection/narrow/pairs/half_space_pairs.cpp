@@ -42,7 +42,7 @@ void collide_with_plane(const PolyhedronView& a, double sweep, double radius, co
   }
   if (q.reach > 0.0 && points.size() > 4) keep_facing(a, local, points);
   Patch patch;
-  keep_corners(points, -outward, a.radius + sweep, q.reach, patch);
+  keep_corners(points, -outward, a.radius + sweep, !(q.reach > 0.0), patch);
   for (int k = 0; k < patch.count; ++k) {
     const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
     sink.add({p.gap, -outward, p.position, radius, p.feature});

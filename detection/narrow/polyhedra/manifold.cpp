@@ -212,6 +212,12 @@ void add_other_corners(const PolyhedronPair& pair, const SeparatingAxis& axis, c
   }
 }
 
+bool are_corners_of_one(std::span<const PatchPoint> points) {
+  const FeatureKind kind = points.empty() ? FeatureKind::edges : feature_kind(points.front().feature);
+  const auto is_alike = [kind](const PatchPoint& p) { return feature_kind(p.feature) == kind; };
+  return kind != FeatureKind::edges && std::ranges::all_of(points, is_alike);
+}
+
 /// Lowers all points alike until the deepest is at `gap`: were it the deepest alone, the moment would jump where with a
 /// small tilt another one is the deepest.
 void lower_to(double gap, Patch& out) {
@@ -255,12 +261,8 @@ void keep_four(std::span<const PatchPoint> points, const Vec3& normal, double si
   kept->gap = std::min(kept->gap, std::min_element(points.begin(), points.end(), lowest)->gap);
 }
 
-void keep_corners(std::span<const PatchPoint> points, const Vec3& normal, double size, double reach, Patch& out) {
-  const FeatureKind kind = points.empty() ? FeatureKind::edges : feature_kind(points.front().feature);
-  const auto is_alike = [kind](const PatchPoint& p) { return feature_kind(p.feature) == kind; };
-  if (reach > 0.0 || points.size() > Patch::most || kind == FeatureKind::edges ||
-      !std::ranges::all_of(points, is_alike))
-    return keep_four(points, normal, size, out);
+void keep_corners(std::span<const PatchPoint> points, const Vec3& normal, double size, bool springs, Patch& out) {
+  if (!springs || points.size() > Patch::most) return keep_four(points, normal, size, out);
   std::ranges::copy(points, out.point.begin());
   out.count = static_cast<int>(points.size());
 }
@@ -309,7 +311,7 @@ Patch contact_patch(const PolyhedronPair& pair, const PolyhedronDistance& d, dou
     }
     add_other_corners(pair, d.axis, f, reach, sweep_a, sweep_b, tolerance, buf);
   }
-  keep_corners(buf.points, n, size, reach, out);
+  keep_corners(buf.points, n, size, !(reach > 0.0) && are_corners_of_one(buf.points), out);
   // The patch must hold the pair's deepest point; where it does not (tip, crossed edges), that point alone is the
   // contact.
   double deepest = infinity;

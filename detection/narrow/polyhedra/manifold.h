@@ -55,8 +55,8 @@ struct NearestPoint {
   double gap;     ///< sweeps taken off [m]
 };
 
-/// Keeps all that may stay (reach 0, see above), else 4.
-void keep_corners(std::span<const PatchPoint> points, const Vec3& normal, double size, double reach, Patch& out);
+/// Keeps all if they are the overlapping corners of one body and springs act there (see above), else 4.
+void keep_corners(std::span<const PatchPoint> points, const Vec3& normal, double size, bool springs, Patch& out);
 
 /// Keeps 4 of the points: the deepest, the farthest from it, the two that span the largest area with them on either
 /// side. Of points that are equal to within rounding the one with the lowest feature is taken, so that a body that
