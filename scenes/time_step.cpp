@@ -25,8 +25,9 @@ namespace {
 /// Smallest free body of a material.
 struct Smallest {
   double mass = infinity, radius = infinity;
-  bool round = true;  ///< spheres do not turn under the normal force
-  int points = 1;     ///< of a pair: spheres and ellipsoids touch at one, capsules along a line, faces at four
+  bool round = true;                         ///< spheres do not turn under the normal force
+  int points = 1;                            ///< of a pair: round bodies touch at one, faces at four
+  double end = 1.0;                          ///< share of its mass with which a round body gives way at its end
   std::map<std::uint32_t, FlatBody> flat{};  ///< by shape: those that rest on faces
 };
 
@@ -45,8 +46,21 @@ int corners_of_largest_face(const ShapeStore& shapes, ShapeRef ref) {
 }
 
 int points_of(ShapeRef ref) {
-  if (ref.type() == ShapeStore::type_of<Sphere>() || ref.type() == ShapeStore::type_of<Ellipsoid>()) return 1;
-  return ref.type() == ShapeStore::type_of<Capsule>() ? 2 : 4;
+  const auto type = ref.type();
+  const bool round = type == ShapeStore::type_of<Sphere>() || type == ShapeStore::type_of<Ellipsoid>() ||
+                     type == ShapeStore::type_of<Capsule>();
+  return round ? 1 : 4;
+}
+
+/// 1/(1 + m arm^2/I) where it gives way most. Normals of an ellipsoid pass its centre at no more than the difference of
+/// two of its semi-axes, those of a capsule at half the length of its axis, which is the same of its box.
+double share_at_end(const Vec3& half, double mass, const Vec3& inertia) {
+  double most = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    const double arm = half[(k + 1) % 3] - half[(k + 2) % 3];
+    if (inertia[k] > 0.0) most = std::max(most, mass * arm * arm / inertia[k]);
+  }
+  return 1.0 / (1.0 + most);
 }
 
 struct Survey {
@@ -80,8 +94,13 @@ void look_at(Survey& out, const Assembly& a, const Body& body, const Vec3& at) {
   out.low = out.low.cwiseMin(at - Vec3::Constant(radius));
   out.high = out.high.cwiseMax(at + Vec3::Constant(radius));
   constexpr std::size_t most = 50;  // shapes whose corners are read
-  if (points_of(ShapeRef{shape}) < 4 || smallest.flat.size() >= most || smallest.flat.contains(shape)) return;
+  const bool round = points_of(ShapeRef{shape}) == 1;
+  if (!round && (smallest.flat.size() >= most || smallest.flat.contains(shape))) return;
   const Aabb box = a.shapes->bounding_box(ShapeRef{shape}, Pose{});
+  if (round) {
+    smallest.end = std::min(smallest.end, share_at_end(0.5 * (box.max - box.min), mass, body.inertia));
+    return;
+  }
   const double density = a.scene.materials[material].material.density;
   const double volume = mass / density, of_volume = std::cbrt(0.75 * volume / std::numbers::pi);
   FlatBody flat{mass, body.inertia, box.max.cwiseAbs().cwiseMax(box.min.cwiseAbs()), density > 0 ? of_volume : radius,
@@ -225,11 +244,10 @@ class ContactEstimate {
     const double bears = !column  ? under_load(pair, resting)
                          : !balls ? under_load(pair, neighbours)
                                   : (q ? infinity : column_of(i, j, p));
-    ExpectedPair end = pair;  // the end of a long body moves as a quarter of its mass does
-    if (!p.round || (q && !q->round)) {
-      end.mass *= 0.25;
-      end.at.effective_mass *= 0.25;
-    }
+    ExpectedPair end = pair;
+    const double share = q ? std::min(p.end, q->end) : p.end;
+    end.mass *= share;
+    end.at.effective_mass *= share;
     const double half = std::min(under_load(end, points), column && balls ? bears : infinity);
     take(bears, 0.5 * half, "under the load of the bodies above");
     take(impact_step(links_, pair, impact_overlap), 0.5 * impact_step(links_, end, impact_overlap),

@@ -1,7 +1,11 @@
 // Steps that contacts bear, foreseen before there are any, against closed forms.
+#include <fmt/format.h>
+
 #include <cmath>
+#include <random>
 
 #include "laws/smooth/dashpot.h"
+#include "scenes/include/epafi/epafi.h"
 #include "scenes/step_estimate.h"
 #include "tests/support/catch.h"
 #include "tests/support/experiments.h"
@@ -62,4 +66,45 @@ TEST_CASE("a wheelset's limit counts what its springs press on the rails", "[sce
   CHECK(heavy < 0.9 * light);
   CHECK(heavier < 0.9 * heavy);
   CHECK(heavy < 2e-4);  // at which the rails give forces of 13 kN to a wheelset that coasts
+}
+
+TEST_CASE("capsules of no length and ellipsoids of equal axes bear what the ball does", "[scenes][step_estimate]") {
+  // the tenth of a contact's time is that of a quarter of their mass: to the power 2/5 (Hertz)
+  const double least = std::pow(0.25, 0.4);
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (int k = 0; k < 12; ++k) {
+    const double radius = std::pow(10.0, -3.0 + 2.0 * unit(random));
+    const double modulus = std::pow(10.0, 5.5 + 3.0 * unit(random));
+    const double e = 0.02 + 0.5 * unit(random), friction = unit(random), gravity = 10.0 + 300.0 * unit(random);
+    const auto step = [&](const std::string& shape) {
+      return load_text(fmt::format(R"scene(run = {{ duration = 1.0 }}
+world = {{ gravity = [0, 0, {:.17g}] }}
+material.a = {{ density = 2000.0, youngs_modulus = {:.17g}, poissons_ratio = 0.25 }}
+contact = {{ method = "smooth", restitution = {:.17g}, friction = {:.17g} }}
+[[body]]
+name = "floor"
+shape = {{ half_space = {{ normal = [0, 0, 1] }} }}
+material = "a"
+fixed = true
+[[body]]
+name = "grain"
+repeat = [4, 4, 8]
+shape = {{ {} }}
+material = "a"
+position = ["= 2.1*{:.17g}*i", "= 2.1*{:.17g}*j", "= 2.1*{:.17g}*(k + 0.5)"]
+)scene",
+                                   -gravity, modulus, e, friction, shape, radius, radius, radius))
+          ->time_step;
+    };
+    const TimeStep ball = step(fmt::format("sphere = {{ radius = {:.17g} }}", radius));
+    for (const TimeStep& round :
+         {step(fmt::format("capsule = {{ radius = {:.17g}, length = {:.17g} }}", radius, 1e-9 * radius)),
+          step(fmt::format("ellipsoid = {{ semi_axes = [{0:.17g}, {0:.17g}, {0:.17g}] }}", radius))}) {
+      INFO(ball.reason << " | " << round.reason);
+      CHECK(round.value >= 0.99 * least * ball.value);
+      CHECK(round.value <= ball.value * (1.0 + 1e-9));
+      CHECK(round.limit == Approx(ball.limit).epsilon(1e-6));
+    }
+  }
 }
