@@ -233,10 +233,10 @@ void warn_of_long_step(Assembly& a) {
   const double duration = a.scene.run.duration.value, step = a.time_step.value;
   const auto& written = a.scene.run.time_step;
   if (!written.value || step <= duration * (1 + 1e-9)) return;
-  const std::string told = fmt::format(
+  const std::string warning = fmt::format(
       "[run] time_step = {:g} s is longer than the {:g} s that it is to run: one step is made", step, duration);
-  a.warnings.push_back({Problem::Level::warning, written.place, told});
-  a.simulation->warnings.add({.kind = "long step", .text = told, .value = step, .times = 1});
+  a.warnings.push_back({Problem::Level::warning, written.place, warning});
+  a.simulation->warnings.add({.kind = "long step", .text = warning, .value = step, .times = 1});
 }
 
 }  // namespace

@@ -335,7 +335,7 @@ ColumnStore memory_of(const Assembly& to, Assembly& from) {
 }
 
 /// Springs that have lost a body.
-void tell_lost_springs(const Assembly& from, const Assembly& to, std::vector<std::string>& told) {
+void note_lost_springs(const Assembly& from, const Assembly& to, std::vector<std::string>& notes) {
   const auto holds = [&](const World& world, const SpringSpec& s) {
     const auto is_there = [&](std::size_t body) { return world.slot_of(from.id_of(body)) != no_slot; };
     return is_there(s.body) && (!s.to || is_there(*s.to));
@@ -344,13 +344,13 @@ void tell_lost_springs(const Assembly& from, const Assembly& to, std::vector<std
     return holds(from.simulation->world, s) && !holds(to.simulation->world, s);
   });
   if (lost > 0)
-    told.push_back(fmt::format("{} of {} springs: a body that they hold is gone", lost, from.scene.springs.size()));
+    notes.push_back(fmt::format("{} of {} springs: a body that they hold is gone", lost, from.scene.springs.size()));
 }
 
 bool starts_with(const std::string& text, const char* begin) { return text.rfind(begin, 0) == 0; }
 
 /// Drops what does not mean the same in the other scene, and says so.
-void drop_foreign(const Assembly& from, const Assembly& to, ColumnStore& store, std::vector<std::string>& told) {
+void drop_foreign(const Assembly& from, const Assembly& to, ColumnStore& store, std::vector<std::string>& notes) {
   const ContactSettings &a = from.scene.contact, &b = to.scene.contact;
   const std::size_t springs =
       std::max(store.rows("smooth/record") + store.rows("spheres/springs"), store.rows("warm_start/impulse"));
@@ -363,7 +363,7 @@ void drop_foreign(const Assembly& from, const Assembly& to, ColumnStore& store, 
     const char* why = a.method.value != b.method.value ? "the method changes"
                       : to_other_loop                  ? "spheres go to another loop"
                                                        : "the law changes";
-    told.push_back(fmt::format("{} of {} contacts: {}", what, springs, why));
+    notes.push_back(fmt::format("{} of {} contacts: {}", what, springs, why));
     return;
   }
   if (a.method.value == Method::nonsmooth && a.solver.value != b.solver.value)
@@ -411,16 +411,16 @@ std::vector<std::string> enter_simulation(Assembly& a) {
     return {};
   }
   const std::shared_ptr<MadeRun> made = a.scene.start->made;
-  auto told = carry_memory(carry_of_start(a.scene), *made->assembly, a, {}, {});
-  told.insert(told.end(), a.scene.start->dropped.begin(), a.scene.start->dropped.end());
+  auto notes = carry_memory(carry_of_start(a.scene), *made->assembly, a, {}, {});
+  notes.insert(notes.end(), a.scene.start->dropped.begin(), a.scene.start->dropped.end());
   a.scene.start->made.reset();
-  return told;
+  return notes;
 }
 
 std::vector<std::string> carry_memory(const CarryOver& carry, Assembly& from, Assembly& to,
                                       const std::function<void(StateVisitor&)>& own_state_there,
                                       const std::function<void(StateVisitor&)>& own_state_here) {
-  std::vector<std::string> told;
+  std::vector<std::string> notes;
   Simulation &old = *from.simulation, &sim = *to.simulation;
   const bool hold = same_mechanics(from.scene, to.scene) && carry.keeps_memory && !carry.at_rest;
   Simulation::Entry entry;
@@ -433,16 +433,16 @@ std::vector<std::string> carry_memory(const CarryOver& carry, Assembly& from, As
   entry.elastic = to_impulses ? 0.0 : old.work.report.elastic;
 
   ColumnStore store = memory_of(to, from);
-  drop_foreign(from, to, store, told);
+  drop_foreign(from, to, store, notes);
   if (!carry.keeps_memory) {
     const std::size_t contacts =
         std::max(store.rows("smooth/record") + store.rows("spheres/springs"), store.rows("warm_start/impulse"));
     store.drop([](const std::string&) { return true; });
     if (contacts > 0)
-      told.push_back(fmt::format("memory of {} contacts: it does not belong to these places", contacts));
+      notes.push_back(fmt::format("memory of {} contacts: it does not belong to these places", contacts));
   }
   carry_springs(from, to, store);
-  if (carry.goes_on) tell_lost_springs(from, to, told);
+  if (carry.goes_on) note_lost_springs(from, to, notes);
   ColumnStore::Saver saver(store);
   for (auto& event : old.events) event->visit(saver);
   if (own_state_there) own_state_there(saver);
@@ -466,7 +466,7 @@ std::vector<std::string> carry_memory(const CarryOver& carry, Assembly& from, As
   else
     sim.continue_at(0, old.steps() + old.steps_before());
   sim.enter(entry);
-  return told;
+  return notes;
 }
 
 }  // namespace epafi

@@ -22,7 +22,8 @@ Needs contact_needs(const Scene& scene) {
   const SmoothSetup setup = smooth_setup(scene);
   auto problems = check_smooth(setup);
   std::erase_if(problems, [](const Problem& p) { return p.level != Problem::Level::error; });
-  for (Problem& p : problems) p.place = scene.contact.law.place;
+  const ContactSettings& c = scene.contact;
+  for (Problem& p : problems) p.place = c.law.written() ? c.law.place : c.method.place;  // the default law has no line
   if (!problems.empty()) throw SceneError(problems);
   return smooth_needs(setup);
 }

@@ -1,6 +1,7 @@
 #include "scenes/monitor.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -10,7 +11,9 @@
 namespace epafi {
 
 namespace {
-Overlap told(const OverlapTotals& all) {
+constexpr double deep_overlap = 0.5;  // of the smaller body's bounding radius: no law of contact holds there
+
+Overlap overlap_of(const OverlapTotals& all) {
   const double mean = all.pairs > 0 ? all.sum.value() / static_cast<double>(all.pairs) : 0.0;
   return {all.max, mean, all.max_relative, all.pairs};
 }
@@ -18,7 +21,17 @@ Overlap told(const OverlapTotals& all) {
 
 Overlap measure_overlap(const World& world, const ContactPieces& contacts, const ShapeStore& shapes) {
   const auto radius = [&](std::uint32_t shape) { return shapes.bounding_radius({shape}); };
-  return told(overlap_totals(world, contacts, radius, [](Slot, Slot) { return true; }));
+  return overlap_of(overlap_totals(world, contacts, radius, [](Slot, Slot) { return true; }));
+}
+
+std::string deep_overlap_text(double relative) {
+  if (!(relative > deep_overlap)) return "";
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "bodies overlap by %.2g of the radius of the smaller one: forces and directions of such contacts are "
+                "not right",
+                relative);
+  return text;
 }
 
 RunMonitor::RunMonitor(const Scene& scene, const std::vector<BodyIds>& bound_bodies, const ShapeStore& shapes,
@@ -32,6 +45,7 @@ RunMonitor::RunMonitor(const Scene& scene, const std::vector<BodyIds>& bound_bod
       way_to_balance_(setup.way_to_balance),
       least_radius_(setup.least_radius),
       warnings_(warnings) {
+  energy_.allow_swing(setup.swing);
   watches_balance_ = std::ranges::none_of(bounds_, [](const BoundSpec& b) { return b.quantity == "energy_error"; });
   bounds_.insert(bounds_.end(), scene.accuracy.begin(), scene.accuracy.end());
   bound_start_.resize(bounds_.size());
@@ -58,6 +72,7 @@ void RunMonitor::observe(const StepView& view) {
       totals_.not_converged += s.converged ? 0 : 1;
       watch_solver(view);
     }
+    watch_models(view);
   }
   note_overlap(view);
   const bool looks = view.step % interval_ == 0 || view.last;
@@ -85,6 +100,20 @@ void RunMonitor::watch_solver(const StepView& view) {
                  .body = view.world.id[report.trouble.slot]});
 }
 
+/// Contacts that a model solved outside its range: a warning for each reason, whatever numbers it holds.
+void RunMonitor::watch_models(const StepView& view) {
+  for (const ModelDoubt& doubt : view.report.doubts) {
+    std::string kind = "model: " + doubt.reason;
+    std::erase_if(kind, [](unsigned char c) { return std::isdigit(c) || c == '.' || c == '-'; });
+    warnings_.add({.kind = kind,
+                   .text = "a model was used where it does not hold: " + doubt.reason,
+                   .first_step = view.step,
+                   .first_time = view.world.time,
+                   .value = doubt.load,
+                   .body = view.world.id[doubt.slot]});
+  }
+}
+
 /// The largest overlap so far. A contact matters to the relative one only where it would exceed it on the smallest
 /// body.
 void RunMonitor::note_overlap(const StepView& view) {
@@ -92,37 +121,34 @@ void RunMonitor::note_overlap(const StepView& view) {
   totals_.overlap_max = std::max(totals_.overlap_max, deepest);
   const double before = totals_.overlap_relative, known = std::max(before, view.report.deepest_relative);
   totals_.overlap_relative = known;
-  if (deepest > known * least_radius_) totals_.overlap_relative = deepest_relative(view, known);
-  if (totals_.overlap_relative > before) tell_overlap(view);
-}
-
-/// The largest overlap over the bounding radius of the smaller body, at least `known`.
-double RunMonitor::deepest_relative(const StepView& view, double known) const {
-  const ContactSet& c = view.contacts;
-  return block_max<double>(c.size(), known, [&](std::size_t k) {
-    if (!(-c.gap[k] > known * least_radius_)) return 0.0;
+  const auto relative = [&](std::size_t k) {
     const std::vector<std::uint32_t>& shape = view.world.shape;
     return -c.gap[k] / std::min(shapes_.bounding_radius({shape[c.a[k]]}), shapes_.bounding_radius({shape[c.b[k]]}));
-  });
+  };
+  if (deepest > known * least_radius_)
+    totals_.overlap_relative = block_max<double>(
+        c.size(), known, [&](std::size_t k) { return -c.gap[k] > known * least_radius_ ? relative(k) : 0.0; });
+  if (totals_.overlap_relative > std::max(before, deep_overlap)) warn_of_overlap(view, relative);
 }
 
-/// Beyond half a radius a contact is none that any law or solver means: bodies end up within each other.
-void RunMonitor::tell_overlap(const StepView& view) {
-  constexpr double half = 0.5;
-  if (!(totals_.overlap_relative > half)) return;
-  char text[160];
-  std::snprintf(text, sizeof text, "bodies overlap by %.2g of the smaller one's radius; %s", totals_.overlap_relative,
-                view.report.has_solver ? "a shorter time_step or a solver that reaches its tolerance prevents it"
-                                       : "a stiffer contact (youngs_modulus, stiffness) prevents it");
-  warnings_.add({.kind = "overlap",
-                 .text = text,
-                 .first_step = view.step,
-                 .first_time = view.world.time,
-                 .value = totals_.overlap_relative});
+/// Once more with every record, so that the worst one and its body are named.
+template <class Relative>
+void RunMonitor::warn_of_overlap(const StepView& view, const Relative& relative) {
+  Warning w{.kind = "overlap",
+            .text = deep_overlap_text(totals_.overlap_relative),
+            .first_step = view.step,
+            .first_time = view.world.time,
+            .value = totals_.overlap_relative};
+  const ContactSet& c = view.contacts;
+  for (std::size_t k = 0; k < c.size() && !w.body; ++k) {
+    if (!(-c.gap[k] > 0.0) || relative(k) < totals_.overlap_relative) continue;
+    w.body = view.world.id[view.world.is_movable(c.a[k]) ? c.a[k] : c.b[k]];
+  }
+  warnings_.add(w);
 }
 
 void RunMonitor::look(const StepView& view) {
-  last_overlap_ = view.overlaps ? told(*view.overlaps) : measure_overlap(view.world, view.pieces(), shapes_);
+  last_overlap_ = view.overlaps ? overlap_of(*view.overlaps) : measure_overlap(view.world, view.pieces(), shapes_);
   if (view.last || view.step * 10 >= steps_ * 9) {
     totals_.overlap_mean += last_overlap_.mean;
     totals_.overlap_looks += 1;
@@ -160,7 +186,7 @@ std::string balance_text(const WatchedBalance::Finding& open, const Energy& now)
 void RunMonitor::watch_energy(const StepView& view) {
   energy_.look(view);
   const WatchedBalance::Finding& open = energy_.finding();
-  if (!open.told) return;
+  if (!open.warns) return;
   const std::string way = way_to_balance_.empty() ? "" : "; " + way_to_balance_;
   warnings_.add({.kind = "energy",
                  .text = balance_text(open, view.ledger.last()) + way,

@@ -21,6 +21,9 @@ struct Overlap {
   std::size_t pairs = 0;
 };
 Overlap measure_overlap(const World& world, const ContactPieces& contacts, const ShapeStore& shapes);
+/// A warning where the deepest overlap, of the smaller body's bounding radius, is beyond what any law of contact bears;
+/// else empty.
+std::string deep_overlap_text(double relative);
 
 /// A bound of the scene with what was seen.
 struct BoundCheck {
@@ -37,6 +40,7 @@ class RunMonitor final : public Observer {
   struct Setup {
     std::uint64_t steps = 0, interval = 1;
     double least_radius = 0.0;     ///< of all bodies that are there or come later [m]: spares most radii
+    double swing = 0.0;            ///< WatchedBalance::allow_swing
     std::string way_to_balance{};  ///< what to write where the law alone may open the energy balance; "": it cannot
   };
   RunMonitor(const Scene& scene, const std::vector<BodyIds>& bound_bodies, const ShapeStore& shapes, const Setup& setup,
@@ -48,8 +52,8 @@ class RunMonitor final : public Observer {
     return last || step % interval_ == 0 ? ContactView::overlaps : ContactView::none;
   }
   void observe(const StepView& view) override;
-  /// After the last step of a run that is cut off: tells a balance that has opened since the last look.
-  void tell_balance(const StepView& view) { watch_energy(view); }
+  /// After the last step of a run that is cut off: warns of a balance that has opened since the last look.
+  void report_balance(const StepView& view) { watch_energy(view); }
   void visit(StateVisitor& visitor) override;
 
   std::optional<BoundCheck> violated() const;
@@ -82,10 +86,11 @@ class RunMonitor final : public Observer {
  private:
   void look(const StepView& view);
   void note_overlap(const StepView& view);
-  double deepest_relative(const StepView& view, double known) const;
-  void tell_overlap(const StepView& view);
   void watch_energy(const StepView& view);
   void watch_solver(const StepView& view);
+  void watch_models(const StepView& view);
+  template <class Relative>
+  void warn_of_overlap(const StepView& view, const Relative& relative);
   void look_at_momentum(const StepView& view);
   void check(const StepView& view, bool all);
   void check_measure(std::size_t bound, const StepView& view);

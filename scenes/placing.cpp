@@ -91,10 +91,10 @@ void look_for_outsiders(Assembly& a, const std::string& table, const std::vector
   const std::string text = fmt::format("{}: {} of {} bodies stand outside [world] domain", table, outside, ids.size());
   if (a.simulation->domain->outside == Domain::Outside::error)
     throw SceneError(text + ", where outside = \"error\" ends the run; move them or enlarge the domain", where);
-  const std::string told = text + ", where outside = \"delete\" takes them out at once";
-  a.warnings.push_back({Problem::Level::warning, where, told});
+  const std::string warning = text + ", where outside = \"delete\" takes them out at once";
+  a.warnings.push_back({Problem::Level::warning, where, warning});
   a.simulation->warnings.add(
-      {.kind = "outside " + table, .text = told, .value = static_cast<double>(outside), .times = 1});
+      {.kind = "outside " + table, .text = warning, .value = static_cast<double>(outside), .times = 1});
 }
 
 void look_for_outsiders(Assembly& a, const GroupSpec& group) {

@@ -68,7 +68,7 @@ void Progress::print(Simulation& sim, const RunMonitor& monitor) {
 void Progress::update(Simulation& sim, const RunMonitor& monitor) {
   if (quiet_) return;
   const auto now = Clock::now();
-  const bool warns = sim.warnings.all().size() > warned_;  // told at once
+  const bool warns = sim.warnings.all().size() > warned_;  // printed at once
   if (!warns && std::chrono::duration<double>(now - last_).count() < (terminal_ ? 0.5 : 10.0)) return;
   last_ = now;
   print(sim, monitor);

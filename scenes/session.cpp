@@ -18,6 +18,7 @@
 #include "scenes/peak_memory.h"
 #include "scenes/processor_time.h"
 #include "scenes/railway/on_rails.h"
+#include "scenes/railway/rolling.h"
 #include "scenes/stop.h"
 #include "scenes/version.h"
 #include "viz_export/files/run_mark.h"
@@ -173,7 +174,7 @@ void Session::add_observers() {
   const std::uint64_t frame_every = steps_of(scene.run.output_interval.value, dt);
   const std::uint64_t first = record_.stages.back().first_step;
   const RunMonitor::Setup setup{last_step(), std::min<std::uint64_t>(50, frame_every), least_radius(*assembly_),
-                                way_to_a_potential(*assembly_)};
+                                swing_on_springs(*assembly_), way_to_a_potential(*assembly_)};
   auto monitor = std::make_unique<RunMonitor>(scene, bound_bodies, *assembly_->shapes, setup, sim.warnings);
   monitor->read_measures([this](const Condition& c) { return last_value(c); });
   monitor_ = monitor.get();
@@ -368,7 +369,7 @@ class LastLook final : public Observer {
   explicit LastLook(RunMonitor& monitor) : monitor_(monitor) {}
   bool is_due(std::uint64_t) const override { return true; }
   ContactView wants_contacts(std::uint64_t, bool) const override { return ContactView::none; }
-  void observe(const StepView& view) override { monitor_.tell_balance(view); }
+  void observe(const StepView& view) override { monitor_.report_balance(view); }
 
  private:
   RunMonitor& monitor_;
@@ -378,7 +379,7 @@ class LastLook final : public Observer {
 Ending Session::run(const SessionLimits& limits, bool quiet) {
   SignalWatch signals;
   std::error_code none;
-  std::filesystem::remove(folder_ / "summary.json", none);  // of a run that goes on it tells the end no more
+  std::filesystem::remove(folder_ / "summary.json", none);  // of a run that goes on it shows the end no more
   start_ = std::chrono::steady_clock::now();
   quiet_ = quiet;
   const double first_cpu = process_seconds();
@@ -399,7 +400,7 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   wall_ = elapsed();
   cpu_ = process_seconds() - first_cpu;
   // Saved before anything is measured: measuring the energy extends what its error is relative to, and a run that goes
-  // on must not tell that it was cut off.
+  // on must not say that it was cut off.
   const bool is_cut = !is_done() && ending_ != Ending::failed && ending_ != Ending::bound_violated;
   if (is_cut) save_checkpoint_now();
   sim.come_home();

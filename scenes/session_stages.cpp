@@ -29,13 +29,13 @@ void Session::end_record(const std::string& how) {
   now.ended = how;
 }
 
-/// There is more to tell than that the scene ran once.
+/// There is more to say than that the scene ran once.
 bool Session::has_record() const {
   return record_.stages.size() > 1 || !record_.stages.front().name.empty() || record_.time_step ||
          !record_.start_run.empty();
 }
 
-void Session::tell(const std::vector<std::string>& dropped) const {
+void Session::report_dropped(const std::vector<std::string>& dropped) const {
   const std::string& name = record_.stages.back().name;
   for (const std::string& what : dropped)
     std::fprintf(stderr, "epafi: %sdropped: %s\n", name.empty() ? "" : fmt::format("stage '{}': ", name).c_str(),
@@ -60,7 +60,7 @@ void Session::begin() {
     for (MeasureRecorder* recorder : recorders_)
       if (recorder->wants_contacts() && contacts_come_later(*assembly_)) recorder->pass_over(0);
   }
-  tell(enter_simulation(*assembly_));
+  report_dropped(enter_simulation(*assembly_));
 }
 
 bool Session::stage_is_met() {
@@ -143,7 +143,7 @@ void Session::enter(Scene next, const RunRecord& record) {
   const auto here = [&](StateVisitor& v) {
     for (auto& o : assembly_->simulation->observers) o->visit(v);
   };
-  tell(carry_memory(carry, *before, *assembly_, there, here));
+  report_dropped(carry_memory(carry, *before, *assembly_, there, here));
   if (team) {
     const std::string text = text_of(header());
     team->announce(text);

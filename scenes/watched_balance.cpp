@@ -7,11 +7,11 @@
 namespace epafi {
 
 namespace {
-constexpr double telling_share = 1e-2;  // of the energy exchanged: told
+constexpr double warning_share = 1e-2;  // of the energy exchanged: a warning
 // of the reference energy: ends the run where the scene sets no bound of its own
 constexpr double ending_share = 0.5;
-constexpr double booked_share = 0.05;  // of the energy exchanged: less is an error of bookkeeping, however long it ran
-constexpr double band_share = 1e-3;    // swings of single contacts: automatic steps err by less of all energy
+constexpr double booked_share = 0.05;   // of the energy exchanged: less is an error of bookkeeping, however long it ran
+constexpr double widest_band = 7.5e-3;  // of the reference energy: 40 steps in a swing of a spring, and a fifth more
 // steps: the first touch of a scene at rest errs by all of an energy that is nothing yet
 constexpr double passing = 40;
 constexpr double noise_per_residual = 1e3;  // velocities of a stack of 30 err by 30 times what its residual says
@@ -33,6 +33,8 @@ void WatchedBalance::Swings::follow(double value, double band) {
   far = value;
   direction = -direction;
 }
+
+void WatchedBalance::allow_swing(double share) { band_ = std::clamp(1.2 * share, band_, widest_band); }
 
 void WatchedBalance::note(const StepReport& report) {
   if (!report.has_solver) return;
@@ -75,7 +77,7 @@ void WatchedBalance::look(const StepView& view) {
     state_.unexplained.turn = unexplained;
     state_.put_in.turn = put_in;
   }
-  const double band = band_share * (known + state_.noise);
+  const double band = band_ * (known + state_.noise);
   state_.unexplained.follow(unexplained, band);
   state_.put_in.follow(put_in, band);
   judge(view, known);
@@ -105,7 +107,7 @@ void WatchedBalance::judge(const StepView& view, double known) {
     if (!std::isfinite(net)) f.share = f.wide = std::abs(net);
   };
   measure(state_.noise);
-  if (f.share > telling_share && !view.report.has_solver) measure(rounding_energy(view));
+  if (f.share > warning_share && !view.report.has_solver) measure(rounding_energy(view));
   const double step = static_cast<double>(view.step);
   const auto lasts = [&](bool open, double& since) {
     if (!open || view.step == 0)
@@ -114,8 +116,8 @@ void WatchedBalance::judge(const StepView& view, double known) {
       since = step;
     return since > 0 && (view.last || step - since >= passing);
   };
-  f.told = lasts(!(f.share <= telling_share), state_.since_told);
-  f.ends = lasts(!(f.wide <= ending_share), state_.since_wide) && f.told;
+  f.warns = lasts(!(f.share <= warning_share), state_.since_warns);
+  f.ends = lasts(!(f.wide <= ending_share), state_.since_wide) && f.warns;
 }
 
 void WatchedBalance::visit(StateVisitor& visitor) { visitor.value("monitor/balance", state_); }

@@ -4,8 +4,9 @@
 ///   put in        minus what contacts took: it should only fall
 /// Both are followed from turning point to turning point. A swing smaller than a thousandth of the reference energy (as
 /// the ledger's: largest kinetic and elastic energy, and the spread of the potential one) is that of a contact in
-/// motion and comes back; all others are added up, rises and falls apart. A steady change is one swing, however slow.
-/// The sums are held against the energy exchanged since the start: the reference and all that was dissipated.
+/// motion and comes back, as is one by which the scheme's energy swings on springs (at most 0.0075 of it); all others
+/// are added up, rises and falls apart. A steady change is one swing, however slow. The sums are held against the
+/// energy exchanged since the start: the reference and all that was dissipated.
 ///
 /// Noise. Solvers of impulses leave velocities of their residual times one step of free fall, M (g dt)^2 / 2 in all
 /// bodies; a thousand times its part by the residual is added to what was exchanged in every step. Under smooth contact
@@ -17,6 +18,8 @@ namespace epafi {
 
 class WatchedBalance {
  public:
+  /// By which share the scheme lets the energy of springs swing.
+  void allow_swing(double share);
   /// After every step.
   void note(const StepReport& report);
   /// After the energies were measured.
@@ -34,7 +37,7 @@ class WatchedBalance {
     double gained = 0.0;  ///< all that bodies gained [J]
     double lost = 0.0;    ///< all that was lost track of [J]
     double put_in = 0.0;  ///< by contacts, part of `gained` [J]
-    bool told = false;    ///< open for long enough to be reported
+    bool warns = false;   ///< open for long enough to be reported
     bool ends = false;    ///< so far, for so long, that the run ends
   };
   const Finding& finding() const { return finding_; }
@@ -54,7 +57,7 @@ class WatchedBalance {
   };
   struct State {  // plain: one value of the checkpoint
     Swings unexplained, put_in;
-    double started = 0, since_told = 0, since_wide = 0;  ///< steps since which it is open; 0: it is not
+    double started = 0, since_warns = 0, since_wide = 0;  ///< steps since which it is open; 0: it is not
     double noisy_steps = 0;  ///< since the last look: by residual, 1 where it is a thousandth or more
     double noise = 0;        ///< so far [J]
     double inner = 0;        ///< largest kinetic and elastic energy together [J]
@@ -67,6 +70,7 @@ class WatchedBalance {
 
   State state_;
   Finding finding_;
+  double band_ = 1e-3;  ///< of the reference: swings of contacts; automatic steps err by less of all energy
 };
 
 }  // namespace epafi

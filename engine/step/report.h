@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <numeric>
 #include <string>
+#include <vector>
 
 #include "engine/state/types.h"
 #include "engine/threads/shared_out.h"
@@ -82,6 +83,13 @@ struct Losses {
   }
 };
 
+/// A contact that its model solved outside the range where the model holds.
+struct ModelDoubt {
+  std::string reason;
+  Slot slot = no_slot;  ///< of the body
+  double load = 0.0;    ///< normal force [N]
+};
+
 /// What the contact model reports of one step.
 struct StepReport {
   std::size_t pairs = 0;
@@ -97,6 +105,7 @@ struct StepReport {
   bool has_solver = false;
   SolverReport solver;
   SolverTrouble trouble;
+  std::vector<ModelDoubt> doubts;
   StageSeconds seconds;  ///< summed over all steps so far
 };
 

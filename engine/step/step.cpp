@@ -25,6 +25,7 @@ void step(World& world, Pipeline& stage, Workspace& work, double dt) {
 
 void step(World& world, Pipeline& stage, Workspace& work, double dt, StageTimer& timer, const RunOn* run_on) {
   work.report.deepest = work.report.deepest_relative = 0.0;
+  work.report.doubts.clear();
   StepClock clock{dt, stage.scheme->velocity_lag(), stage.scheme.get(), nullptr, run_on};
   double held = 0.0;
   if (stage.guard || !stage.contact_model->move(world, clock)) {
@@ -52,6 +53,7 @@ void evaluate_forces(World& world, Pipeline& stage, Workspace& work) {
   stage.narrow_phase->collide(world, work.pairs, work.contacts);
   stage.narrow_phase->unite(world, work.contacts);
   work.report.deepest = work.report.deepest_relative = 0.0;
+  work.report.doubts.clear();
   stage.contact_model->act(world, work.contacts, {0.0, 0.0}, work.report);
 }
 

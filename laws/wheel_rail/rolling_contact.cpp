@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "engine/step/contact_layer.h"
 #include "engine/threads/parallel.h"
@@ -26,12 +27,20 @@ struct StripRecord {
   StripStart start;
 };
 
+/// Limits that the models for motion share: half-spaces on surfaces that turn, creep laws for ellipses on other
+/// patches. No choice among them does better, so a run does not warn of these; `epafi patch` reports them.
+bool is_shared_limit(const std::string& reason) {
+  constexpr std::string_view shared[] = {"conformal contact", "the patch is not an ellipse", "axis ratio a/b outside"};
+  return std::ranges::any_of(shared, [&](std::string_view text) { return reason.starts_with(text); });
+}
+
 /// What one region does to its wheelset.
 struct RollingForce {
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();  ///< on the wheelset, about its centre
   Vec3 point = Vec3::Zero();                         ///< of the contact, world axes [m]
   double elastic = 0.0, lost = 0.0;                  ///< [J], [W]
   bool touches = false;
+  std::vector<std::string> reasons{};  ///< why the models should not be trusted here
 };
 
 /// The patch of a wheel that rolls the other way: turned by half a turn about its normal.
@@ -77,8 +86,8 @@ class RollingContact final : public ContactLayer {
   const StripStart* start_of(const RollingRegion& r) const;
   NormalPatch patch_of(const RollingRegion& r, const ElasticPair& elastic, StripStart& start) const;
   RollingForce evaluate(const World& world, const RollingRegion& r, const BodyMotion& motion, StripStart& start) const;
-  PatchForce creep_force(const RollingRegion& r, NormalPatch& patch, const ElasticPair& elastic, double friction,
-                         Creepage creepage, bool backwards) const;
+  TangentialOutcome creep(const RollingRegion& r, NormalPatch& patch, const ElasticPair& elastic, double friction,
+                          Creepage creepage, bool backwards) const;
 
   RollingSetup setup_;
   const RollingRegions& regions_;
@@ -116,8 +125,8 @@ NormalPatch RollingContact::patch_of(const RollingRegion& r, const ElasticPair& 
 }
 
 /// On the rail, in the axes of the region; y as on the track.
-PatchForce RollingContact::creep_force(const RollingRegion& r, NormalPatch& patch, const ElasticPair& elastic,
-                                       double friction, Creepage c, bool backwards) const {
+TangentialOutcome RollingContact::creep(const RollingRegion& r, NormalPatch& patch, const ElasticPair& elastic,
+                                        double friction, Creepage c, bool backwards) const {
   if (r.mirrored) {
     c.lateral = -c.lateral;
     c.spin = -c.spin;
@@ -128,7 +137,8 @@ PatchForce RollingContact::creep_force(const RollingRegion& r, NormalPatch& patc
     c.lateral = -c.lateral;
   }
   const PatchGrid cells{static_cast<std::size_t>(setup_.along), static_cast<std::size_t>(setup_.across), 0.0, 0.0};
-  PatchForce f = tangential_->solve({patch, elastic, friction, c, cells}).force;
+  TangentialOutcome out = tangential_->solve({patch, elastic, friction, c, cells});
+  PatchForce& f = out.force;
   if (backwards) {
     turn_round(patch);
     f.fx = -f.fx;
@@ -138,7 +148,7 @@ PatchForce RollingContact::creep_force(const RollingRegion& r, NormalPatch& patc
     f.fy = -f.fy;
     f.mz = -f.mz;
   }
-  return f;
+  return out;
 }
 
 RollingForce RollingContact::evaluate(const World& world, const RollingRegion& r, const BodyMotion& motion,
@@ -149,6 +159,7 @@ RollingForce RollingContact::evaluate(const World& world, const RollingRegion& r
   const ElasticPair& elastic = elastic_[a * materials + b];
   const MaterialPair& pair = setup_.materials.pairs[a * materials + b];
   NormalPatch patch = patch_of(r, elastic, start);
+  out.reasons = std::move(patch.reasons);
   if (!(patch.normal_force > 0.0)) return out;
   out.touches = true;
   // the patch may lie beside the rigid point: forces act where it is and along its own mean normal
@@ -170,8 +181,10 @@ RollingForce RollingContact::evaluate(const World& world, const RollingRegion& r
   if (tangential_ && pair.friction > 0.0) {
     const double w = std::hypot(slip.dot(x), slip.dot(t)), A = setup_.friction_limit;
     const double friction = pair.friction * ((1.0 - A) * std::exp(-setup_.friction_decay * w) + A);
-    const PatchForce f = creep_force(r, patch, elastic, friction,
-                                     {-slip.dot(x) / speed, -slip.dot(t) / speed, -spin / speed}, rolling < 0.0);
+    const TangentialOutcome rolled =
+        creep(r, patch, elastic, friction, {-slip.dot(x) / speed, -slip.dot(t) / speed, -spin / speed}, rolling < 0.0);
+    const PatchForce& f = rolled.force;
+    out.reasons.insert(out.reasons.end(), rolled.reasons.begin(), rolled.reasons.end());
     // tractions of an ellipse count from its centre, those of a grid from the grid's
     const double px = patch.is_ellipse ? patch.centre_x : patch.grid_x,
                  py = side * (patch.is_ellipse ? patch.centre_y : patch.grid_y);
@@ -206,6 +219,9 @@ void RollingContact::act(World& world, ContactSet& contacts, const StepClock& cl
   double lost = 0.0;
   for (std::size_t k = 0; k < n; ++k) {
     const RollingForce& f = forces_[k];
+    if (clock.dt > 0.0)
+      for (const std::string& reason : f.reasons)
+        if (!is_shared_limit(reason)) report.doubts.push_back({reason, regions[k].wheelset, f.force.norm()});
     if (!f.touches) continue;
     world.force[regions[k].wheelset] += f.force;
     world.torque[regions[k].wheelset] += f.moment;

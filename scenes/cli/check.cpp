@@ -234,6 +234,18 @@ std::size_t waiting_bodies(const Assembly& a) {
   return waiting;
 }
 
+/// As the first step finds it; it stays in the simulation's workspace.
+Overlap overlap_at_start(Assembly& a) {
+  Simulation& sim = *a.simulation;
+  (void)enter_simulation(a);
+  if (!sim.pipeline.scheme->needs_initial_forces()) {
+    sim.pipeline.broad_phase->find_pairs(sim.world, sim.work.pairs);
+    sim.pipeline.narrow_phase->collide(sim.world, sim.work.pairs, sim.work.contacts);
+    sim.pipeline.narrow_phase->unite(sim.world, sim.work.contacts);
+  }
+  return measure_overlap(sim.world, {sim.world, sim.work.contacts, sim.pipeline.contact_model.get()}, *a.shapes);
+}
+
 }  // namespace
 
 std::string check_text(Assembly& a, const std::vector<StageCheck>& stages) {
@@ -245,19 +257,16 @@ std::string check_text(Assembly& a, const std::vector<StageCheck>& stages) {
   std::size_t free = 0;
   for (Slot s = 0; s < w.size(); ++s) free += w.is_movable(s);
   const std::size_t later = waiting_bodies(a);
-  std::string out = fmt::format("{}: fine\n  bodies        {} free, {} fixed or driven{}\n", a.scene.file, free,
-                                w.size() - free, later > 0 ? fmt::format(", {} poured in later", later) : "");
-  (void)enter_simulation(a);
-  if (!sim.pipeline.scheme->needs_initial_forces()) {
-    sim.pipeline.broad_phase->find_pairs(sim.world, sim.work.pairs);
-    sim.pipeline.narrow_phase->collide(sim.world, sim.work.pairs, sim.work.contacts);
-    sim.pipeline.narrow_phase->unite(sim.world, sim.work.contacts);
-  }
-  const Overlap overlap = measure_overlap(w, {w, sim.work.contacts, sim.pipeline.contact_model.get()}, *a.shapes);
+  const std::string bodies = fmt::format("  bodies        {} free, {} fixed or driven{}\n", free, w.size() - free,
+                                         later > 0 ? fmt::format(", {} poured in later", later) : "");
+  const Overlap overlap = overlap_at_start(a);
+  const std::string deep = deep_overlap_text(overlap.max_relative);
+  std::string out = a.scene.file + (deep.empty() ? ": fine\n" : ": bodies lie in each other\n") + bodies;
   out += fmt::format(
       "  at t = 0      {} candidate pairs, {} contacts, {} pairs overlap, worst {:.3g} m ({:.2g} of the radius)\n",
       sim.work.pairs.pairs.size() + listed_spheres(sim), std::max(sim.work.contacts.size(), sim.work.report.touching),
       overlap.pairs, overlap.max, overlap.max_relative);
+  if (!deep.empty()) out += "  OVERLAPS      " + deep + "\n";
   out += solids_text(a) + meshes_text(a);
   out += fmt::format("  time step     {:.6g} s: {}\n", a.time_step.value, a.time_step.reason);
   if (std::isfinite(a.time_step.limit))

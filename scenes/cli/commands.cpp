@@ -44,25 +44,31 @@ constexpr const char* memory_message = "epafi: not enough memory; `epafi check` 
 
 void say(const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str()); }
 
-void print_problems(const std::vector<Problem>& problems) {
+/// How many were printed.
+std::size_t print_problems(const std::vector<Problem>& problems) {
   for (const auto& p : problems) say(p.to_string());
+  return problems.size();
 }
 
-/// Of stages to come; what has been told of the scene or of another stage is left out.
-void print_warnings(const std::vector<StageCheck>& stages, std::vector<Problem> told) {
+/// Of stages to come, how many; what was printed of the scene or of another stage is left out.
+std::size_t print_warnings(const std::vector<StageCheck>& stages, std::vector<Problem> printed) {
+  const std::size_t before = printed.size();
   for (const StageCheck& stage : stages)
     for (const Problem& p : stage.warnings) {
-      if (std::ranges::count(told, p.to_string(), &Problem::to_string) > 0) continue;
+      if (std::ranges::count(printed, p.to_string(), &Problem::to_string) > 0) continue;
       say(p.to_string());
-      told.push_back(p);
+      printed.push_back(p);
     }
+  return printed.size() - before;
 }
 
-/// The scene, or a SceneError with all its problems; warnings are printed.
-Scene read_or_throw(const std::string& path, const std::vector<std::string>& overrides) {
+/// The scene, or a SceneError with all its problems; warnings are printed, and added to `warnings`.
+Scene read_or_throw(const std::string& path, const std::vector<std::string>& overrides,
+                    std::size_t* warnings = nullptr) {
   ReadResult result = read_scene(existing_scene_file(path), overrides, full_registry());
   if (!result.scene) throw SceneError(result.problems);
-  print_problems(result.problems);
+  const std::size_t printed = print_problems(result.problems);
+  if (warnings) *warnings += printed;
   return std::move(*result.scene);
 }
 
@@ -96,8 +102,17 @@ SessionLimits limits_of(const RunOptions& o) {
   return {o.until, o.steps, duration("--time-limit", o.time_limit), duration("--cpu-limit", o.cpu_limit)};
 }
 
+/// With --strict any warning of the scene or of the run counts as a violated bound.
+int strict_code(int code, const RunOptions& options, std::size_t of_scene, std::size_t of_run) {
+  if (!options.strict || code != exit_done || of_scene + of_run == 0) return code;
+  say(fmt::format("epafi: exit code {} by --strict: {} warnings of the scene, {} of the run", int(exit_bound), of_scene,
+                  of_run));
+  return exit_bound;
+}
+
+/// scene_warnings: how many were printed before the first step.
 int finish(Session& session, const std::filesystem::path& folder, const RunOptions& options,
-           const SessionLimits& limits) {
+           const SessionLimits& limits, std::size_t scene_warnings) {
   const Ending ending = session.run(limits, options.quiet);
   const RunSummary summary = session.summary();
   write_summary(folder / "summary.json", summary);
@@ -114,8 +129,7 @@ int finish(Session& session, const std::filesystem::path& folder, const RunOptio
     say(fmt::format("{}: {} steps, t = {:.6g} s, {:.3g} s of wall time, energy error {:.2g}, state {}; results in {}",
                     summary.status, summary.steps, summary.simulated_time, summary.wall_time,
                     summary.energy->relative_error, summary.state_hash, folder.string()));
-  const int code = exit_code(ending);
-  return options.strict && code == exit_done && !summary.warnings.empty() ? static_cast<int>(exit_bound) : code;
+  return strict_code(exit_code(ending), options, scene_warnings, summary.warnings.size());
 }
 
 void set_threads(int threads) {
@@ -193,13 +207,14 @@ int in_team(int threads, const F& command) {
 
 static int run_scene(const CommonOptions& common, const RunOptions& options) {
   const SessionLimits limits = limits_of(options);
-  auto assembly = assemble(read_or_throw(common.scene, common.overrides));
+  std::size_t warnings = 0;
+  auto assembly = assemble(read_or_throw(common.scene, common.overrides, &warnings));
   RankTeam* const team = RankTeam::of_program();
   if (team) check_shareable(*assembly);
   if (follows(team)) return follow(std::move(assembly));
-  print_problems(assembly->warnings);
+  warnings += print_problems(assembly->warnings);
   check_conditions(*assembly);
-  print_warnings(check_stages(assembly->scene), assembly->warnings);
+  warnings += print_warnings(check_stages(assembly->scene), assembly->warnings);
   const std::filesystem::path folder = options.out.empty()
                                            ? std::filesystem::path("out") / std::filesystem::path(common.scene).stem()
                                            : std::filesystem::path(options.out);
@@ -222,7 +237,7 @@ static int run_scene(const CommonOptions& common, const RunOptions& options) {
   if (team) share_out(*assembly, assemble(read_or_throw(common.scene, common.overrides)), *team);
   Session session(std::move(assembly), common.overrides, folder,
                   options.least_output ? Session::Output::least : Session::Output::all);
-  return finish(session, folder, options, limits);
+  return finish(session, folder, options, limits, warnings);
 }
 
 int command_run(const CommonOptions& common, const RunOptions& options) {
@@ -231,9 +246,9 @@ int command_run(const CommonOptions& common, const RunOptions& options) {
 
 namespace {
 
-/// The scene with a stage put in behind the present one, which has these changes.
-void change_keys(Session& session, const CheckpointHeader& header, const std::vector<std::string>& overrides,
-                 const SessionLimits& limits) {
+/// The scene with a stage put in behind the present one, which has these changes; how many warnings it has.
+std::size_t change_keys(Session& session, const CheckpointHeader& header, const std::vector<std::string>& overrides,
+                        const SessionLimits& limits) {
   RunRecord record = session.record();
   const double rest = session.rest(limits.until);
   if (!(rest > 0.0)) throw SceneError("the run is at its end; say how far it goes on with --until");
@@ -241,13 +256,15 @@ void change_keys(Session& session, const CheckpointHeader& header, const std::ve
   ReadResult read = read_scene(header.scene_path, header.overrides, full_registry(),
                                {record.stage + 1, record.inserted, record.start_run});
   if (!read.scene) throw SceneError(read.problems);
-  print_problems(read.problems);
+  const std::size_t warnings = print_problems(read.problems);
   session.change(std::move(*read.scene), record, header.overrides);
+  return warnings;
 }
 
-/// Another scene on the state of this run, which is kept under another name: a later resume starts from it too.
-void change_scene(Session& session, const std::string& path, const std::vector<std::string>& overrides,
-                  const std::filesystem::path& folder) {
+/// Another scene on the state of this run, which is kept under another name: a later resume starts from it too. How
+/// many warnings it has.
+std::size_t change_scene(Session& session, const std::string& path, const std::vector<std::string>& overrides,
+                         const std::filesystem::path& folder) {
   if (!std::filesystem::exists(path)) throw FileError("the scene file '" + path + "' does not exist");
   std::filesystem::path kept;
   for (int n = 1; kept.empty() || std::filesystem::exists(kept); ++n)
@@ -258,9 +275,9 @@ void change_scene(Session& session, const std::string& path, const std::vector<s
   try {
     ReadResult read = read_scene(path, overrides, full_registry(), {0, {}, record.start_run});
     if (!read.scene) throw SceneError(read.problems);
-    print_problems(read.problems);
-    print_warnings(check_stages(*read.scene), {});
+    const std::size_t warnings = print_problems(read.problems) + print_warnings(check_stages(*read.scene), {});
     session.change(std::move(*read.scene), record, overrides);
+    return warnings;
   } catch (...) {
     std::filesystem::remove(kept);
     throw;
@@ -317,14 +334,15 @@ static int resume_run(const std::string& directory, const RunOptions& options, c
   const SignalWatch from_the_first_file_on;
   if (team) share_out(*assembly, assemble(scene_of(header, record), ready), *team);
   auto session = Session::resume(std::move(assembly), header.overrides, folder);
-  if (!session->note().empty()) say("epafi: warning: " + session->note());
+  std::size_t warnings = session->note().empty() ? 0 : 1;
+  if (warnings > 0) say("epafi: warning: " + session->note());
   if (!changes.scene.empty())
-    change_scene(*session, changes.scene, changes.overrides, folder);
+    warnings += change_scene(*session, changes.scene, changes.overrides, folder);
   else if (!changes.overrides.empty())
-    change_keys(*session, header, changes.overrides, limits);
+    warnings += change_keys(*session, header, changes.overrides, limits);
   if (limits.until) session->extend(*limits.until);
   if (limits.steps) session->extend_to_step(*limits.steps);
-  return finish(*session, folder, options, limits);
+  return finish(*session, folder, options, limits, warnings);
 }
 
 int command_resume(const std::string& directory, const RunOptions& options, const ResumeChanges& changes) {

@@ -31,7 +31,7 @@ struct RunOptions {
   std::optional<std::uint64_t> steps;
   std::string time_limit, cpu_limit;  ///< "3h50m", "90s"; empty: none
   bool quiet = false, verbose = false, json = false, force = false, least_output = false;
-  bool strict = false;  ///< any warning ends with exit_bound
+  bool strict = false;  ///< any warning of scene or run ends with exit_bound
 };
 
 struct SolveOptions {

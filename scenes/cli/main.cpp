@@ -35,7 +35,7 @@ void add_run_flags(CLI::App* command, epafi::RunOptions& o) {
   command->add_option("--cpu-limit", o.cpu_limit, "the same for the processor time of all threads");
   command->add_flag("-q,--quiet", o.quiet, "no progress");
   command->add_flag("-v,--verbose", o.verbose, "more about the set-up");
-  command->add_flag("--strict", o.strict, "exit code 1 if the run has warnings");
+  command->add_flag("--strict", o.strict, "exit code 1 if the scene or the run has warnings");
   command->add_flag("--json", o.json, "print only the summary, as JSON, on stdout");
 }
 

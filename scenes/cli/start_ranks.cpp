@@ -26,7 +26,7 @@ class QuietRank {
   QuietRank& operator=(const QuietRank&) = delete;
   ~QuietRank() = default;  // the process ends with it
 
-  void tell_all(int rank) const {
+  void report_all(int rank) const {
     std::fflush(nullptr);
     dup2(speaks_, STDERR_FILENO);
     std::fprintf(stderr, "epafi: process %d of the run failed:\n", rank);
@@ -60,7 +60,7 @@ int run_shared(int argc, char** argv) {
   }
   const QuietRank quiet;
   if (!team.end(epafi::program(argc, argv))) {
-    quiet.tell_all(team.number());
+    quiet.report_all(team.number());
     epafi::abort_ranks(team.code());
   }
   return team.code();

@@ -162,11 +162,11 @@ int command_sweep(const StudyOptions& o, const SweepOptions& s) {
   const StudyMark mark = mark_of("sweep", scene, o, sweep.cases.size());
   write_study_mark(folder, mark);
   int worst = exit_done;
-  const auto tell = speaker(o);
-  tell(fmt::format("{} of {} cases to run", todo.size(), sweep.cases.size()));
+  const auto report = speaker(o);
+  report(fmt::format("{} of {} cases to run", todo.size(), sweep.cases.size()));
   const bool whole = run_cases(
       scene, todo, {"/proc/self/exe", s.threads, 0.0, false}, o.jobs, [&](std::size_t k, const CaseResult& r) {
-        (r.completed() ? tell : say)(  // trouble in any case
+        (r.completed() ? report : say)(  // trouble in any case
             fmt::format("case {}: {}{}{}", number[k], r.status, r.trouble.empty() ? "" : ": ", r.trouble));
         if (!r.completed()) worst = r.status == "bound_violated" && worst == exit_done ? exit_bound : exit_failed;
       });

@@ -25,14 +25,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void tell(const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str()); }
+void print_line(const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str()); }
 
-void tell_notes(const std::vector<std::string>& notes) {
-  for (const std::string& note : notes) tell("epafi: note: " + note);
+void print_view_notes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) print_line("epafi: note: " + note);
 }
 
-void tell_warnings(const ViewSource& source) {
-  for (const std::string& warning : source.warnings()) tell("epafi: warning: " + warning);
+void print_view_warnings(const ViewSource& source) {
+  for (const std::string& warning : source.warnings()) print_line("epafi: warning: " + warning);
 }
 
 /// The first state of a scene. The assembly and its surfaces stay as long as the source.
@@ -67,13 +67,14 @@ void open_browser(const std::string& address) {
 
 int write_file(const ViewSource& source, const std::string& target) {
   const WrittenPage page = write_page(source, target);
-  tell_notes(page.notes);
-  tell_warnings(source);
-  tell(fmt::format("{}: {} frames, {:.1f} MB", target, source.times().size(), 1e-6 * static_cast<double>(page.bytes)));
+  print_view_notes(page.notes);
+  print_view_warnings(source);
+  print_line(
+      fmt::format("{}: {} frames, {:.1f} MB", target, source.times().size(), 1e-6 * static_cast<double>(page.bytes)));
   return exit_done;
 }
 
-/// A file that is no scene is no scene with mistakes: what it is told then is what the command takes.
+/// A file that is no scene is no scene with mistakes: the message then is what the command takes.
 void refuse_no_scene(const fs::path& file) {
   const std::string takes = "`epafi view` takes the output folder of a run, or a scene file (TOML)";
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
@@ -128,19 +129,19 @@ int command_render(const RenderRequest& request) {
   if (!is_film && request.every) throw SceneError("--every is for a film (.mp4, .webm), not for a picture");
   if (is_film) {
     const auto [pictures, rate, notes] = render_film(*source, options, request.every.value_or(1), target);
-    tell_notes(notes);
-    if (pictures == 1) tell("epafi: note: the film stands still: it shows one frame" + why_one(*source, request));
-    tell_warnings(*source);
-    tell(fmt::format("{}: {} picture{}, {:.3g} s at {:.3g} per second", target.string(), pictures,
-                     pictures > 1 ? "s" : "", static_cast<double>(pictures) / rate, rate));
+    print_view_notes(notes);
+    if (pictures == 1) print_line("epafi: note: the film stands still: it shows one frame" + why_one(*source, request));
+    print_view_warnings(*source);
+    print_line(fmt::format("{}: {} picture{}, {:.3g} s at {:.3g} per second", target.string(), pictures,
+                           pictures > 1 ? "s" : "", static_cast<double>(pictures) / rate, rate));
     return exit_done;
   }
   const std::size_t frame = request.time ? nearest_frame(times, *request.time) : times.size() - 1;
   if (request.time && (*request.time < times.front() || *request.time > times.back()))
-    tell(fmt::format("epafi: note: the run has frames from {:.4g} to {:.4g} s", times.front(), times.back()));
-  tell_notes(render_picture(*source, options, frame, target));
-  tell_warnings(*source);
-  tell(fmt::format("{}: t = {} s", target.string(), time_text(times, times[frame])));
+    print_line(fmt::format("epafi: note: the run has frames from {:.4g} to {:.4g} s", times.front(), times.back()));
+  print_view_notes(render_picture(*source, options, frame, target));
+  print_view_warnings(*source);
+  print_line(fmt::format("{}: t = {} s", target.string(), time_text(times, times[frame])));
   return exit_done;
 }
 
@@ -161,7 +162,7 @@ int command_view(const ViewOptions& options) {
   const LocalServer server(options.port);
   std::printf("%s\n", server.address().c_str());
   std::fflush(stdout);
-  tell("open this address in a browser of this machine; Ctrl-C ends");
+  print_line("open this address in a browser of this machine; Ctrl-C ends");
   if (!options.no_browser) open_browser(server.address());
   server.serve([&](const std::string& path) { return run->answer(path); }, [] { return SignalWatch::received() != 0; });
   return exit_done;

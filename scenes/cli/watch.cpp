@@ -131,7 +131,7 @@ std::string in_columns(std::string name, std::size_t columns, const std::string&
   return name + unit + std::string(columns - std::min(columns, name.size()), ' ');
 }
 
-/// Kinds of the scene's measures, from run.h5: they tell the units. Asked again while there is a name without one.
+/// Kinds of the scene's measures, from run.h5: they say the units. Asked again while there is a name without one.
 class MeasureKinds {
  public:
   explicit MeasureKinds(fs::path file) : file_(std::move(file)) {}

@@ -7,7 +7,7 @@
 namespace epafi {
 
 /// Prints once a second until the run is over (a terminal: in place, else every ten seconds); Ctrl-C ends. A run that
-/// was killed is told: exit code 4. chosen: measures that are shown; empty: all.
+/// was killed is reported: exit code 4. chosen: measures that are shown; empty: all.
 int command_watch(const std::string& directory, const std::vector<std::string>& chosen = {});
 
 }  // namespace epafi

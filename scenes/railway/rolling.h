@@ -16,6 +16,9 @@ std::vector<Vec3> spring_loads(const Assembly& assembly);
 /// Puts springs over the contact model; bodies must be there. Frames follow the track if the scene has one only, else
 /// x.
 void add_springs(Assembly& assembly);
+/// By which share the energy of bodies on springs swings within their periods under velocity Verlet and Moreau-Jean,
+/// (omega dt)^2 / 4: it comes back.
+double swing_on_springs(const Assembly& assembly);
 /// What wheels on rails and springs allow; infinite where there are none.
 TimeStep railway_step(const Assembly& assembly);
 

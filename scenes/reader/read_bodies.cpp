@@ -204,7 +204,7 @@ std::string names_of_copies(const Scene& scene, const std::string& name) {
   return {};
 }
 
-/// A table of that name stands in the file and was told to be wrong: who names it has made no other mistake.
+/// A table of that name stands in the file and was reported as wrong: who names it has made no other mistake.
 bool is_written(const Reading& reading, const std::string& name) {
   const std::string plain = name.substr(0, name.find('['));
   for (const char* list : {"body", "bodies", "fill"}) {
@@ -241,8 +241,8 @@ NamedBodies find_bodies(Draft& draft, const std::string& name, const Place& plac
     names.push_back(fill.name);
     if (!fill.group.empty()) names.push_back(fill.group);
   }
-  const bool told = draft.reading.errors() > 0 && is_written(draft.reading, name);
-  if (found.bodies.empty() && found.fills.empty() && !told) {
+  const bool reported = draft.reading.errors() > 0 && is_written(draft.reading, name);
+  if (found.bodies.empty() && found.fills.empty() && !reported) {
     const std::string copies = names_of_copies(draft.scene, name);
     draft.reading.error(place, "unknown body '" + name + "' in " + label +
                                    (copies.empty() ? suggestion(name, names, "bodies") : copies));

@@ -88,14 +88,14 @@ bool stands_with(const Place& a, const Place& b) {
   return a.file == b.file && a.line == b.line && a.column == b.column;
 }
 
-/// Of a later copy: what the first has been told at the same place is not told again.
-void drop_told(std::vector<Problem>& problems, std::size_t first, std::size_t own) {
-  const auto told = [&](const Problem& p) {
+/// Of a later copy: what the first has reported at the same place is not reported again.
+void drop_repeated(std::vector<Problem>& problems, std::size_t first, std::size_t own) {
+  const auto repeated = [&](const Problem& p) {
     return std::any_of(problems.begin() + static_cast<std::ptrdiff_t>(first),
                        problems.begin() + static_cast<std::ptrdiff_t>(own),
                        [&](const Problem& q) { return stands_with(q.place, p.place) && q.level == p.level; });
   };
-  const auto end = std::remove_if(problems.begin() + static_cast<std::ptrdiff_t>(own), problems.end(), told);
+  const auto end = std::remove_if(problems.begin() + static_cast<std::ptrdiff_t>(own), problems.end(), repeated);
   problems.erase(end, problems.end());
 }
 
@@ -156,7 +156,7 @@ void each_copy(Reading& reading, const Node& item, const std::string& label, con
     set_name(copy, other_name, at, counts.size());
     const std::size_t own = reading.problems.size();
     visit(copy);
-    drop_told(reading.problems, first, own);
+    drop_repeated(reading.problems, first, own);
   }
   reading.indices.clear();
 }

@@ -48,7 +48,7 @@ void read_parts(Draft& draft) {
   }
 }
 
-/// Problems of all stages, each told once.
+/// Problems of all stages, each reported once.
 void append_new(std::vector<Problem>& all, const std::vector<Problem>& more) {
   for (const Problem& p : more) {
     const bool known = std::any_of(all.begin(), all.end(), [&](const Problem& q) {

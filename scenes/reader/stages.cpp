@@ -190,7 +190,7 @@ void set_duration(Node& root, const Node& stage) {
   empty.place = stage.place;
   Node& run = member_of(root, "run", empty);
   std::erase_if(run.members, [](const Member& m) { return m.key == "duration"; });
-  // what is wrong with it is told of the stage
+  // what is wrong with it is reported of the stage
   const bool is_text = duration && duration->type == Node::Type::text;
   const bool is_expression = is_text && duration->text.find('=') != std::string::npos;
   const bool is_time = is_expression || (is_text && read_quantity(duration->text, "s").value);

@@ -263,7 +263,7 @@ TableValues read_table(const Node& table, const std::string& label, const std::v
       read_nested(value, key, out);
     else if (auto read = read_value(value, key))
       out.set(name, std::move(*read));
-    else if (field->default_value)  // the error is told; who reads on finds what would have stood there
+    else if (field->default_value)  // the error is reported; who reads on finds what would have stood there
       out.set(name, *field->default_value);
   }
   for (const auto& field : fields) {

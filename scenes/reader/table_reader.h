@@ -82,7 +82,7 @@ bool follows_time(const Reading& reading, const Node& node);
 
 /// `label` names the table in messages: "[contact]", "[[body]] 'floor'".
 TableValues read_table(const Node& table, const std::string& label, const std::vector<Field>& fields, Reading& reading);
-/// The same where `fields` are those of all variants: an unknown key is told the keys of `offered`, which the chosen
+/// The same where `fields` are those of all variants: an unknown key gets the keys of `offered`, which the chosen
 /// one takes.
 TableValues read_table(const Node& table, const std::string& label, const std::vector<Field>& fields, Reading& reading,
                        const std::vector<Field>& offered);

@@ -76,7 +76,7 @@ std::size_t cases_of(const Study& s) {
   return cases * (s.parameters.empty() ? static_cast<std::size_t>(s.repeats) : 1);
 }
 
-/// Table, pictures and page of one study into the atlas; rows that moved are told. command: chart or limits.
+/// Table, pictures and page of one study into the atlas; rows that moved are reported. command: chart or limits.
 template <class Result>
 void store(const AtlasOrder& order, const std::string& stem, const std::string& command, const std::string& csv,
            const Result& result, const std::function<void(const std::string&)>& say) {

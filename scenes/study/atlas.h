@@ -29,9 +29,9 @@ std::vector<Study> studies_in(const std::filesystem::path& folder, bool charts);
 /// (of limits) that are others now.
 std::vector<std::string> moved_rows(const std::string& stored_csv, const std::string& new_csv);
 
-/// Runs the charts (or the limits); `say` is told of every case, of every row that moved and of every study that the
-/// budget left out. A study may take twice an even part of what is left, a case no more than that; the
-/// repeats of its timings and then its last cases fall out first. False where a study was left out.
+/// Runs the charts (or the limits); `say` gets a line for every case, of every row that moved and of every study that
+/// the budget left out. A study may take twice an even part of what is left, a case no more than that; the repeats of
+/// its timings and then its last cases fall out first. False where a study was left out.
 bool draw_atlas(const AtlasOrder& order, bool charts, const std::function<void(const std::string&)>& say);
 
 }  // namespace epafi

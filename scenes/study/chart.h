@@ -52,8 +52,8 @@ struct Chart {
   bool one_question = true;  ///< points answer the same question: lines join them, the best make a front
 };
 
-/// Runs the study below `folder`. `say` is told of each case as it ends. Throws SceneError where a case is no valid
-/// scene.
+/// Runs the study below `folder`. `say` gets a line for each case as it ends. Throws SceneError where a case is no
+/// valid scene.
 Chart run_chart(const Study& study, const std::filesystem::path& folder,
                 const std::function<void(const std::string&)>& say);
 

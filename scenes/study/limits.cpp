@@ -79,7 +79,7 @@ struct Seeker {
     return {all, folder / name};
   }
 
-  void tell(const LimitCase& c) const {
+  void report(const LimitCase& c) const {
     say(fmt::format("{} [{}] at {:.6g}: {}{}{} {}", study.methods[c.method].name, study.methods[c.method].settings(),
                     fmt::join(c.at, ", "), c.status, c.kind.empty() ? "" : ": ", c.kind, c.detail));
   }
@@ -99,7 +99,7 @@ struct Seeker {
     if (is_patch_study(study)) {  // in this process: an evaluation takes milliseconds
       for (std::size_t i = 0; i < asked.size() && left() > 0; ++i) {
         out[i] = judge_patch_case(study, asked[i].first, settings_at(asked[i].second), asked[i].second);
-        tell(*out[i]);
+        report(*out[i]);
       }
       return out;
     }
@@ -125,7 +125,7 @@ struct Seeker {
       if (r.status == "over_budget" && cut.seconds < limits.seconds) return;  // of the study, not of the case
       const auto& [method, at] = asked[index[k]];
       out[index[k]] = judge(method, at, r);
-      tell(*out[index[k]]);
+      report(*out[index[k]]);
     });
     if (!whole) throw FileError("interrupted; run the same command again to go on");
     return out;

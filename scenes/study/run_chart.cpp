@@ -40,7 +40,7 @@ void check_error(const ErrorSpec& error, const Scene& scene, const std::string& 
                      "; write overlap, energy, residual, momentum, distance or the name of a [[measure]]");
 }
 
-/// Every case must be a scene before the first is run; tells whether the scene asks for an accuracy.
+/// Every case must be a scene before the first is run; says whether the scene asks for an accuracy.
 bool check_cases(const Study& study) {
   std::vector<Strings> all;
   for (const auto& m : study.methods) all.push_back(joined(study.fixed, m.overrides));

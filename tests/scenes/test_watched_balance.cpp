@@ -1,5 +1,5 @@
-// The watch over the energy balance: slow gains, gains between losses and fast ones are told; contacts in motion, noise
-// of solvers and rounding are not.
+// The watch over the energy balance: slow gains, gains between losses and fast ones are warned; contacts in motion,
+// noise of solvers and rounding are not.
 #include <fstream>
 
 #include "scenes/cli/commands.h"
@@ -39,12 +39,12 @@ class BookedRun {
     const ContactSet contacts;
     const PairList pairs;
     watch_.look({world_, contacts, pairs, report_, ledger_, steps_, dt_, 1});
-    told = told || watch_.finding().told;
+    warned = warned || watch_.finding().warns;
     ends = ends || watch_.finding().ends;
   }
   void begin_stage() { watch_.begin_stage(); }
   double residual = 1e-7;
-  bool told = false, ends = false;
+  bool warned = false, ends = false;
 
  private:
   void set(double kinetic) { world_.velocity[0] = Vec3(std::sqrt(2.0 * kinetic), 0, 0); }
@@ -60,7 +60,7 @@ class BookedRun {
 
 }  // namespace
 
-TEST_CASE("a slow gain is told, at rest too", "[scenes][warnings][balance]") {
+TEST_CASE("a slow gain is warned, at rest too", "[scenes][warnings][balance]") {
   // from rest: 1e-8 J a step, a five-thousandth of what a step of free fall gives; 4.5 mm/s after 1000 steps
   for (const double start : {0.0, 0.5})
     for (const bool impulses : {true, false}) {
@@ -68,7 +68,7 @@ TEST_CASE("a slow gain is told, at rest too", "[scenes][warnings][balance]") {
       const double gain = start > 0 ? 1e-5 * start : 1e-8;
       for (int k = 1; k <= 2000; ++k) run.step(start + k * gain);
       INFO("start " << start << " impulses " << impulses);
-      CHECK(run.told);
+      CHECK(run.warned);
     }
 }
 
@@ -81,8 +81,8 @@ TEST_CASE("gains between losses are not netted: by the scheme or by contacts", "
     lost.step(kinetic);
     taken.step(kinetic, (rises ? -0.05 : 0.05) / 250.0);
   }
-  CHECK(lost.told);
-  CHECK(taken.told);
+  CHECK(lost.warned);
+  CHECK(taken.warned);
 }
 
 TEST_CASE("a gain that grows by a tenth a step ends the run within 100 steps", "[scenes][warnings][balance]") {
@@ -93,7 +93,7 @@ TEST_CASE("a gain that grows by a tenth a step ends the run within 100 steps", "
       kinetic *= 1.1;
       run.step(kinetic, contacts ? -kinetic / 11.0 : 0.0);
     }
-    CHECK(run.told);
+    CHECK(run.warned);
     CHECK(run.ends);
   }
 }
@@ -106,19 +106,19 @@ TEST_CASE("a stage at rest is held against what the run has exchanged before", "
       BookedRun run(0.5, impulses), before(0.5, impulses);
       for (int k = 1; k <= 500; ++k) {
         run.step(0.5 - 0.001 * k, 0.001);
-        // booked before the stage, told in it too
+        // booked before the stage, warned in it too
         before.step(0.5 - 0.001 * k + gain * k / 500.0, 0.001);
       }
-      CHECK_FALSE(run.told);
+      CHECK_FALSE(run.warned);
       run.begin_stage();
       before.begin_stage();
-      before.told = false;
+      before.warned = false;
       for (int k = 1; k <= 500; ++k) {
         run.step(gain * k / 500.0);
         before.step(gain);
       }
-      CHECK(run.told == (gain > 1e-2));
-      CHECK(before.told == (gain > 1e-2));
+      CHECK(run.warned == (gain > 1e-2));
+      CHECK(before.warned == (gain > 1e-2));
     }
 }
 
@@ -128,7 +128,7 @@ TEST_CASE("what ends a run is held against the energy stored, small errors of bo
   // and no reason to end; a tenth from nowhere is one as soon as half of what is stored is missing
   BookedRun mill(0.5, false), false_mill(0.5, false);
   for (int k = 1; k <= 2000; ++k) mill.step(0.5, 1.0, 0.99);
-  CHECK(mill.told);
+  CHECK(mill.warned);
   CHECK_FALSE(mill.ends);
   int steps = 0;
   while (!false_mill.ends && steps < 500) {
@@ -145,18 +145,18 @@ TEST_CASE("contacts in motion and what solvers leave at rest are no gain", "[sce
   // steps with velocities of 30 times the residual
   BookedRun gas(0.5, false), bed(0.5, true);
   for (int k = 1; k <= 100000; ++k) gas.step(0.5 * (1.0 + 4e-4 * std::sin(0.37 * k)));
-  CHECK_FALSE(gas.told);
+  CHECK_FALSE(gas.warned);
   bed.step(0.0, 0.5);
   const double fall = 9.81e-3, noise = 30e-7 * fall * fall;
   for (int k = 1; k <= 100000; ++k) bed.step(0.5 * noise * (1.0 + std::sin(0.7 * k)), noise * std::sin(0.9 * k));
-  CHECK_FALSE(bed.told);
+  CHECK_FALSE(bed.warned);
   BookedRun rest(0.0, true), round(0.0, false);
   for (int k = 1; k <= 20000; ++k) {
     rest.step(0.5 * noise * (1.0 + std::sin(0.7 * k)), noise * std::sin(0.9 * k));
     round.step(1e-28 * (1.0 + std::sin(0.7 * k)));  // overlaps of 2e-17 m at the frequency of the step
   }
-  CHECK_FALSE(rest.told);
-  CHECK_FALSE(round.told);
+  CHECK_FALSE(rest.warned);
+  CHECK_FALSE(round.warned);
 }
 
 namespace {

@@ -1,0 +1,134 @@
+// Warnings of a scene, of its start and of its models: who deserves one gets it, and nobody else.
+#include <fmt/format.h>
+
+#include <fstream>
+#include <numbers>
+
+#include "engine/units/random.h"
+#include "tests/support/captured_run.h"
+#include "tests/support/catch.h"
+#include "tests/support/document.h"
+#include "tests/support/library_scenes.h"
+#include "tests/support/scene_text.h"
+#include "viz_export/files/json_reader.h"
+
+using namespace epafi;
+using namespace epafi::experiments;
+
+namespace {
+
+/// Of the run of a scene written in a test: its exit code, all it printed, and the warnings of its summary.
+struct Warned {
+  int code = 0;
+  std::string err;
+  std::vector<std::string> warnings;
+  double energy_error = 0.0;
+};
+
+Warned run_warned(const std::string& text, bool strict = false) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "scene.toml") << text;
+  RunOptions options = quiet_into(folder / "out");
+  options.strict = strict;
+  options.least_output = true;
+  const Captured run = run_of(folder / "scene.toml", options);
+  Warned out{run.code, run.err, {}, 0.0};
+  if (!std::filesystem::exists(folder / "out" / "summary.json")) return out;
+  const FlatJson summary = read_json(folder / "out" / "summary.json");
+  for (int k = 0; !summary.text(fmt::format("warnings.{}", k)).empty(); ++k)
+    out.warnings.push_back(summary.text(fmt::format("warnings.{}", k)));
+  out.energy_error = summary.number("energy.relative_error").value_or(0.0);
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("no scene of the library warns of itself as it is read", "[scenes][warnings][library]") {
+  for (const std::string& scene : all_scenes()) {
+    const ReadResult read = read_scene(library(scene), {}, full_registry());
+    INFO(scene);
+    for (const Problem& p : read.problems) UNSCOPED_INFO(p.to_string());
+    CHECK(read.scene);
+    CHECK(read.problems.empty());
+  }
+}
+
+TEST_CASE("strict runs count the warnings of the scene", "[scenes][warnings]") {
+  const std::string ball =
+      "run = { duration = 0.01, time_step = 1e-3 }\nmaterial.m = { density = 1000 }\n[[body]]\nname = \"ball\"\n"
+      "shape = { sphere = { radius = 0.1 } }\nmaterial = \"m\"\n";
+  const std::string contact = "contact = { method = \"nonsmooth\", restitution = 0, friction = 0";
+  const std::string plain = contact + " }\n" + ball;
+  CHECK(run_warned(plain, true).code == exit_done);
+  // a table of the other method, a key that the solver does not use, a quaternion that is not one
+  for (const std::string& warned : {contact + ", smooth = { law = \"hertz\" } }\n" + ball,
+                                    contact + ", nonsmooth = { solver = \"nsgs\", sides = 5 } }\n" + ball,
+                                    plain + "orientation = [1, 1, 0, 0]\n"}) {
+    INFO(warned);
+    CHECK(run_warned(warned).code == exit_done);
+    const Warned strict = run_warned(warned, true);
+    CHECK(strict.code == exit_bound);
+    CHECK_THAT(strict.err, Catch::Contains("by --strict: 1 warnings of the scene, 0 of the run"));
+  }
+}
+
+TEST_CASE("a law of the default that lacks a constant of the material is reported with a line", "[scenes][warnings]") {
+  const std::string text =
+      "run = { duration = 0.01 }\nmaterial.m = { density = 1000 }\n[contact]\nmethod = \"smooth\"\n"
+      "restitution = 0\nfriction = 0\n[[body]]\nname = \"ball\"\nrepeat = 2\nshape = { sphere = { radius = 0.1 } }\n"
+      "material = \"m\"\nposition = [\"= i\", 0, 0]\n";
+  CHECK_THAT(run_warned(text).err, Catch::Contains("scene.toml:4:") && Catch::Contains("needs youngs_modulus"));
+}
+
+TEST_CASE("bodies that lie deep in each other are named, others are not", "[scenes][warnings][overlap]") {
+  Random random(51, 0);
+  for (int draw = 0; draw < 24; ++draw) {
+    const double share = draw % 2 == 0 ? random.uniform(0.51, 1.9) : random.uniform(0.0, 0.49);
+    const double radius = std::pow(10.0, random.uniform(-4, 1));
+    const char* method = draw % 4 < 2 ? "nonsmooth" : "smooth";
+    // soft, so that smooth contact does not blow up before its first step
+    const std::string text = fmt::format(
+        "run = {{ duration = 1e-6, time_step = 1e-7, allow_unstable = true }}\n"
+        "material.m = {{ density = 1000, youngs_modulus = 1e-3, poissons_ratio = 0.3 }}\n"
+        "contact = {{ method = \"{}\", restitution = 0.5, friction = 0.3 }}\n"
+        "[[body]]\nname = \"ball\"\nrepeat = 2\nshape = {{ sphere = {{ radius = {:.17g} }} }}\nmaterial = \"m\"\n"
+        "position = [\"= {:.17g}*i\", 0, 0]\n",
+        method, radius, (2.0 - share) * radius);
+    const Warned run = run_warned(text);
+    INFO(text);
+    for (const std::string& w : run.warnings) UNSCOPED_INFO(w);
+    const bool named = !run.warnings.empty() && run.warnings[0].find("bodies overlap by") == 0;
+    CHECK(named == (share > 0.5));
+    if (named) CHECK_THAT(run.warnings[0], Catch::Contains("body 'ball["));
+  }
+}
+
+TEST_CASE("the automatic step of a body on springs keeps its energy without a warning", "[scenes][warnings][spring]") {
+  Random random(52, 0);
+  for (int draw = 0; draw < 16; ++draw) {
+    const double radius = std::pow(10.0, random.uniform(-2, 0)), stiffness = std::pow(10.0, random.uniform(0, 6));
+    const double mass = 1000.0 * 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
+    const double period = 2.0 * std::numbers::pi * std::sqrt(mass / stiffness);
+    const std::string text =
+        fmt::format(
+            "run = {{ duration = {:.17g} }}\nmaterial.m = {{ density = 1000, youngs_modulus = 1e9, poissons_ratio = "
+            "0.3 "
+            "}}\n"
+            "contact = {{ method = \"{}\", restitution = 0.5, friction = 0.3 }}\n"
+            "[[body]]\nname = \"ball\"\nshape = {{ sphere = {{ radius = {:.17g} }} }}\nmaterial = \"m\"\n"
+            "velocity = [{:.17g}, 0, 0]\n[[spring]]\nbody = \"ball\"\nstiffness = [{:.17g}, 0, 0]\n",
+            random.uniform(3.0, 12.0) * period, draw % 2 == 0 ? "smooth" : "nonsmooth", radius,
+            random.uniform(0.1, 2.0) * radius / period, stiffness) +
+        // one that it may touch: then it is contact, and not the spring alone, that sets the step
+        (draw % 4 < 2 ? ""
+                      : fmt::format("[[body]]\nname = \"other\"\nshape = {{ sphere = {{ radius = {:.17g} }} }}\n"
+                                    "material = \"m\"\nposition = [0, {:.17g}, 0]\n",
+                                    radius, 100.0 * radius));
+    const Warned run = run_warned(text, true);
+    INFO(text << run.err);
+    CHECK(run.code == exit_done);
+    CHECK(run.warnings.empty());
+    // (omega dt)^2 / 4 at 40 steps a period
+    CHECK(std::abs(run.energy_error) < 6.5e-3);
+  }
+}
