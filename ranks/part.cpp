@@ -80,6 +80,7 @@ void Part::receive(Simulation* whole) {
 /// Bodies go to the ranks in whose parts they are now; longest: way of a body in the next step [m].
 void Part::move(double longest) {
   territory_.widen(longest);
+  if (territory_.cut_if_uneven(sim_.world, sim_.world.owner, work_.seconds())) work_.take();
   StateImage image = image_of(walk_of(sim_));
   const Arrival arrival =
       exchange_rows(image, territory_.routes(sim_.world, sim_.world.owner, place_, {rank_number()}));
