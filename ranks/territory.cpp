@@ -1,6 +1,7 @@
 #include "ranks/territory.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -64,6 +65,17 @@ std::vector<float> Territory::weights(const std::vector<Vec3>& places, const std
   std::vector<float> out;
   for (const std::size_t r : rank_of) out.push_back(static_cast<float>(weight_of(worked[r], bodies[r], time, n)));
   return out;
+}
+
+/// A wider margin m makes more ghosts in every step, as many per length as now, and moves rarer, once in m/longest
+/// steps: their costs a ghosts/R 2 m + b bodies longest/m are least at the root below.
+void Territory::suit(double longest, double bodies, double ghosts) {
+  constexpr double b_over_2a = 10.0;  // a: 60 ns of a ghost in a step, with its message; b: 1.2 us of a body in a move
+  constexpr double widest = 8.0;      // of the usual one
+  const double ghosts_reach = reach() + 2.0 * margin_;
+  const double best = ghosts > 0.0 ? std::sqrt(b_over_2a * bodies / ghosts * ghosts_reach * longest)
+                                   : std::numeric_limits<double>::infinity();
+  margin_ = std::max({usual_margin_, 2.0 * longest, std::min(best, widest * usual_margin_)});
 }
 
 namespace {

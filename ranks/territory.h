@@ -32,6 +32,8 @@ class Territory {
   void widen(double longest, double most = std::numeric_limits<double>::infinity()) {
     margin_ = std::max(usual_margin_, std::min(2.0 * longest, most * usual_margin_));
   }
+  /// The margin that suits best where so many bodies and ghosts of all ranks move that far at most in a step.
+  void suit(double longest, double bodies, double ghosts);
   /// By the present cuts: who owns the bodies that are here, and who else may touch them. Held ones go to `held`.
   /// place: by slot, as Routes::place.
   Routes routes(const World& world, const Owners& owner, const std::vector<std::uint32_t>& place,
