@@ -60,6 +60,12 @@ void Part::settle(StateImage& image, const Arrival& arrival) {
   halo_.set_up(world, std::move(slots), std::move(ranks), place_);
 }
 
+void Part::suit_margin(double longest) {
+  std::array<double, 2> sums{own_, static_cast<double>(halo_.ghosts())};
+  sum_over_ranks(sums);
+  territory_.suit(longest, sums[0], sums[1]);
+}
+
 void Part::receive(Simulation* whole) {
   RankTimer timer(figures_);
   StateImage image = image_of(walk_of(whole ? *whole : sim_));
@@ -70,6 +76,7 @@ void Part::receive(Simulation* whole) {
   place_.resize(owner.size());
   std::iota(place_.begin(), place_.end(), 0u);
   territory_.cut(world, owner, work_.take());
+  if (dt_ > 0.0) suit_margin(motion_.next(dt_));
   const Arrival arrival = exchange_rows(image, territory_.routes(world, owner, place_, all_ranks()));
   settle(image, arrival);
   asked_ = false;
@@ -79,7 +86,8 @@ void Part::receive(Simulation* whole) {
 
 /// Bodies go to the ranks in whose parts they are now; longest: way of a body in the next step [m].
 void Part::move(double longest) {
-  territory_.widen(longest);
+  suit_margin(longest);
+  if (territory_.cut_if_uneven(sim_.world, sim_.world.owner, work_.seconds())) work_.take();
   StateImage image = image_of(walk_of(sim_));
   const Arrival arrival =
       exchange_rows(image, territory_.routes(sim_.world, sim_.world.owner, place_, {rank_number()}));
@@ -299,7 +307,7 @@ bool Part::step(double dt, const std::optional<Domain>& domain, StepReport& repo
   RankTimer timer(figures_);
   const double booked = act_events(dt);
   if (!stays(dt)) move(motion_.next(dt));
-  motion_.go(dt);
+  motion_.go(dt_ = dt);
   timer.lap(RankStage::sharing);
   overlaps_.reset();
   virial_is_joined_ = false;

@@ -46,6 +46,7 @@ class Part {
 
  private:
   void move(double longest);
+  void suit_margin(double longest);
   void settle(StateImage& image, const Arrival& arrival);
   void give_places(Simulation* whole);
   std::vector<std::byte> contact_rows(bool in_pieces);
@@ -106,6 +107,7 @@ class Part {
   bool prepared_ = false;  ///< events have seen this state where it was whole
   bool asked_ = false;     ///< some common event has something to do before the next step
   Motion motion_;
+  double dt_ = 0.0;                        ///< of the last step [s]; 0: there was none
   std::optional<OverlapTotals> overlaps_;  ///< of the last step, once they are summed
   bool virial_is_joined_ = true;           ///< the cell has that of the last step, of all contacts
   Joint joint_;

@@ -43,6 +43,7 @@ class WorkMeter {
   void end() { seconds_ += static_cast<double>(std::clock() - begun_) / CLOCKS_PER_SEC; }
   /// Since the last call [s].
   double take() { return std::exchange(seconds_, 0.0); }
+  double seconds() const { return seconds_; }
 
  private:
   std::clock_t begun_ = 0;

@@ -22,11 +22,25 @@ struct Partition::Cuts {
   std::span<const float> weights;
   bool made = false;
   std::vector<int> processes, parts;
+  struct Part {
+    Vec3 low, high;
+  };
+  std::vector<Part> boxes;  ///< by rank
 
   Cuts();
   Cuts(const Cuts&) = delete;
   Cuts& operator=(const Cuts&) = delete;
   ~Cuts() { Zoltan_Destroy(&zoltan); }
+
+  void find_boxes() {
+    boxes.clear();
+    for (int rank = 0; rank < rank_count(); ++rank) {
+      int axes = 0;
+      Vec3 a, b;
+      expect(Zoltan_RCB_Box(zoltan, rank, &axes, &a.x(), &a.y(), &a.z(), &b.x(), &b.y(), &b.z()), "the box of a part");
+      boxes.push_back({a, b});
+    }
+  }
 
   static Cuts& of(void* data) { return *static_cast<Cuts*>(data); }
   static int count(void* data, int* error) {
@@ -91,6 +105,13 @@ void Partition::cut(std::span<const Vec3> points, std::span<const float> weights
   cuts_->points = {};
   cuts_->weights = {};
   expect(code, "the partition");
+  cuts_->find_boxes();
+}
+
+bool Partition::is_deep(const Vec3& x, double half, int rank) const {
+  if (!cuts_->made) return rank == 0;
+  const auto& [low, high] = cuts_->boxes[static_cast<std::size_t>(rank)];
+  return ((x - low).array() > half).all() && ((high - x).array() > half).all();
 }
 
 int Partition::owner(const Vec3& x) const {

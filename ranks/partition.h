@@ -20,6 +20,8 @@ class Partition {
   /// are given. By all ranks.
   void cut(std::span<const Vec3> points, std::span<const float> weights = {});
   int owner(const Vec3& x) const;
+  /// All of a cube of this half side is in the part of this rank; true is sure, false is not.
+  bool is_deep(const Vec3& x, double half, int rank) const;
   /// Adds the ranks whose part meets a cube of this half side.
   void ranks_near(const Vec3& x, double half, std::vector<int>& ranks) const;
 

@@ -111,6 +111,10 @@ struct Parcel {
   std::vector<int> to;
   std::vector<std::byte> rows;
 
+  void reserve(std::size_t count) {
+    to.reserve(count);
+    rows.reserve(count * (sizeof(Head) + row));
+  }
   void add(int rank, const Head& head, const RowGroup& group, std::size_t k) {
     to.push_back(rank);
     rows.resize(rows.size() + sizeof(Head) + row);
@@ -137,6 +141,7 @@ struct Parcel {
 /// In the order of all bodies.
 void exchange_bodies(const RowGroup& group, const Routes& routes, Arrival& arrival) {
   Parcel<BodyHead> parcel{group.row(), {}, {}};
+  parcel.reserve(routes.to.size());
   for (std::size_t s = 0; s < routes.place.size(); ++s)
     for (std::uint32_t k = routes.begin[s]; routes.mine[s] != 0 && k < routes.begin[s + 1]; ++k)
       parcel.add(routes.to[k], {routes.place[s], routes.owner[s]}, group, s);

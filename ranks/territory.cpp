@@ -1,6 +1,7 @@
 #include "ranks/territory.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -32,41 +33,79 @@ void Territory::measure(const World& world, const Owners& owner) {
   margin_ = usual_margin_;
 }
 
-/// Of free bodies: the time that one of its rank took over that of one of all, where enough has been measured.
-std::vector<float> Territory::weights(const World& world, const std::vector<Slot>& free,
-                                      const std::vector<double>& worked) const {
-  constexpr double enough = 0.05;  // s of a rank: a hundred times the tick of its clock
-  constexpr double least = 0.2, most = 5.0;
-  std::vector<double> bodies(worked.size(), 0.0);
-  for (const int rank : rank_of_)
-    if (rank >= 0) bodies[static_cast<std::size_t>(rank)] += 1.0;
-  const double all = std::accumulate(bodies.begin(), bodies.end(), 0.0);
+namespace {
+constexpr double enough = 0.05;  // s of a rank: a hundred times the tick of its clock
+constexpr double least = 0.2, most = 5.0;
+
+/// That of a rank that took so long, where n bodies in all took `time`.
+double weight_of(double worked, double bodies, double time, double n) {
+  return bodies > 0.0 ? std::clamp(worked / bodies * n / time, least, most) : 1.0;
+}
+}  // namespace
+
+/// Whose the place is; most are far inside the part of the one before.
+int Territory::owner(const Vec3& x, double half, int likely) const {
+  return partition_.is_deep(x, half, likely) ? likely : partition_.owner(x);
+}
+
+/// Of free bodies: the time that one of its rank took over that of one of all, where enough has been measured. Their
+/// ranks are those of the old cuts.
+std::vector<float> Territory::weights(const std::vector<Vec3>& places, const std::vector<double>& worked) const {
   const double time = std::accumulate(worked.begin(), worked.end(), 0.0);
-  if (!(time > enough * static_cast<double>(worked.size())) || all == 0.0) return {};
-  std::vector<float> out;
-  for (const Slot s : free) {
-    const auto id = static_cast<std::size_t>(world.id[s]);
-    const int rank = id < rank_of_.size() ? rank_of_[id] : -1;
-    const auto r = static_cast<std::size_t>(std::max(rank, 0));
-    const double weight = rank < 0 ? 1.0 : worked[r] / bodies[r] * all / time;
-    out.push_back(static_cast<float>(std::clamp(weight, least, most)));
+  if (places.empty() || !(time > enough * static_cast<double>(worked.size()))) return {};
+  std::vector<double> bodies(worked.size(), 0.0);
+  std::vector<std::size_t> rank_of;
+  int rank = 0;
+  for (const Vec3& x : places) {
+    rank = owner(x, 0.0, rank);
+    rank_of.push_back(static_cast<std::size_t>(rank));
+    bodies[rank_of.back()] += 1.0;
   }
+  const auto n = static_cast<double>(places.size());
+  std::vector<float> out;
+  for (const std::size_t r : rank_of) out.push_back(static_cast<float>(weight_of(worked[r], bodies[r], time, n)));
   return out;
 }
+
+/// A wider margin m makes more ghosts in every step, as many per length as now, and moves rarer, once in m/longest
+/// steps: their costs a ghosts/R 2 m + b bodies longest/m are least at the root below.
+void Territory::suit(double longest, double bodies, double ghosts) {
+  constexpr double b_over_2a = 10.0;  // a: 60 ns of a ghost in a step, with its message; b: 1.2 us of a body in a move
+  constexpr double widest = 8.0;      // of the usual one
+  const double ghosts_reach = reach() + 2.0 * margin_;
+  const double best = ghosts > 0.0 ? std::sqrt(b_over_2a * bodies / ghosts * ghosts_reach * longest)
+                                   : std::numeric_limits<double>::infinity();
+  margin_ = std::max({usual_margin_, 2.0 * longest, std::min(best, widest * usual_margin_)});
+}
+
+namespace {
+std::vector<Vec3> places_of(const World& world, const Owners& owner) {
+  std::vector<Vec3> places;
+  for (Slot s = 0; s < owner.size(); ++s)
+    if (owner[s] == World::here) places.push_back(world.position[s]);
+  return places;
+}
+}  // namespace
 
 void Territory::cut(const World& world, const Owners& owner, double worked) {
   measure(world, owner);
   const std::vector<double> all = gather_numbers(worked);
-  std::vector<Slot> free;
-  std::vector<Vec3> places;
-  for (Slot s = 0; s < owner.size(); ++s) {
-    if (owner[s] != World::here) continue;
-    free.push_back(s);
-    places.push_back(world.position[s]);
-  }
-  partition_.cut(places, weights(world, free, all));
-  rank_of_.assign(free.empty() ? 0 : world.ids_given(), -1);
-  for (const Slot s : free) rank_of_[static_cast<std::size_t>(world.id[s])] = partition_.owner(world.position[s]);
+  const std::vector<Vec3> places = places_of(world, owner);
+  partition_.cut(places, weights(places, all));
+}
+
+bool Territory::cut_if_uneven(const World& world, const Owners& owner, double worked) {
+  constexpr double uneven = 1.1;  // new cuts take the time of ten steps
+  const std::vector<Vec3> places = places_of(world, owner);
+  const auto mine = static_cast<double>(places.size());
+  double sums[2] = {worked, mine}, longest = worked;
+  sum_over_ranks(sums);
+  max_over_ranks({&longest, 1});
+  const double ranks = rank_count();
+  if (!(sums[0] > enough * ranks) || !(longest * ranks > uneven * sums[0])) return false;
+  partition_.cut(places,
+                 std::vector<float>(places.size(), static_cast<float>(weight_of(worked, mine, sums[0], sums[1]))));
+  return true;
 }
 
 namespace {
@@ -97,17 +136,21 @@ Routes Territory::routes(const World& world, const Owners& owner, const std::vec
   r.to_all = held;
   std::vector<int> ranks;
   const std::vector<Vec3> shifts = shifts_of(world.cell);
+  int likely = rank_number();
   for (Slot s = 0; s < owner.size(); ++s) {
     const bool is_held = owner[s] == World::everywhere;
     r.begin.push_back(static_cast<std::uint32_t>(r.to.size()));
     r.mine.push_back(owner[s] != World::elsewhere);
-    r.owner.push_back(is_held ? Routes::all_ranks : partition_.owner(world.position[s]));
+    const double reach = (1.0 + 1e-9) * (setup_.radius(world.shape[s]) + (2 * setup_.rings - 1) * largest_ +
+                                         setup_.rings * setup_.reach + 2.0 * margin_);
+    const bool is_deep = !is_held && partition_.is_deep(world.position[s], reach, likely);
+    if (!is_held && !is_deep) likely = partition_.owner(world.position[s]);
+    r.owner.push_back(is_held ? Routes::all_ranks : likely);
     if (is_held) r.to.insert(r.to.end(), held.begin(), held.end());
     if (owner[s] != World::here) continue;
-    const double reach =
-        setup_.radius(world.shape[s]) + (2 * setup_.rings - 1) * largest_ + setup_.rings * setup_.reach + 2.0 * margin_;
-    ranks = {r.owner.back()};
-    for (const Vec3& shift : shifts) partition_.ranks_near(world.position[s] + shift, (1.0 + 1e-9) * reach, ranks);
+    ranks = {likely};
+    if (!is_deep || shifts.size() > 1)
+      for (const Vec3& shift : shifts) partition_.ranks_near(world.position[s] + shift, reach, ranks);
     if (!tied_.empty()) add_ranks_of_tied(world, owner, s, ranks);
     std::ranges::sort(ranks);
     ranks.erase(std::unique(ranks.begin(), ranks.end()), ranks.end());

@@ -22,6 +22,8 @@ class Territory {
   /// do. worked: processor time of this rank since the last cut [s]; bodies of a rank that took longer for each weigh
   /// more. No result depends on it. Bodies are at rank 0. By all ranks.
   void cut(const World& world, const Owners& owner, double worked);
+  /// The same where bodies are with their owners and some rank took a tenth longer than the mean; true if so.
+  bool cut_if_uneven(const World& world, const Owners& owner, double worked);
   /// Ghosts are enough while no body has moved farther than this since it was placed [m].
   double margin() const { return margin_; }
   /// Bodies farther apart than this have nothing to do with each other, but for those that are tied [m].
@@ -30,6 +32,8 @@ class Territory {
   void widen(double longest, double most = std::numeric_limits<double>::infinity()) {
     margin_ = std::max(usual_margin_, std::min(2.0 * longest, most * usual_margin_));
   }
+  /// The margin that suits best where so many bodies and ghosts of all ranks move that far at most in a step.
+  void suit(double longest, double bodies, double ghosts);
   /// By the present cuts: who owns the bodies that are here, and who else may touch them. Held ones go to `held`.
   /// place: by slot, as Routes::place.
   Routes routes(const World& world, const Owners& owner, const std::vector<std::uint32_t>& place,
@@ -40,15 +44,14 @@ class Territory {
  private:
   void measure(const World& world, const Owners& owner);
   void add_ranks_of_tied(const World& world, const Owners& owner, Slot s, std::vector<int>& ranks) const;
-  std::vector<float> weights(const World& world, const std::vector<Slot>& free,
-                             const std::vector<double>& worked) const;
+  std::vector<float> weights(const std::vector<Vec3>& places, const std::vector<double>& worked) const;
+  int owner(const Vec3& x, double half, int likely) const;
 
   PartSetup setup_;
   Partition partition_;
   double usual_margin_ = 0.0, margin_ = 0.0;     ///< [m]
   double largest_ = 0.0;                         ///< radius of all free bodies [m]
   std::vector<std::pair<BodyId, BodyId>> tied_;  ///< both ways, in order
-  std::vector<int> rank_of_;                     ///< by id: whose the body was after the last cut; -1: nobody's
 };
 
 std::vector<int> all_ranks();

@@ -7,6 +7,9 @@ Wall seconds of the steps alone: Epafi by one process of one and of two threads,
 granular, the same laws) by one and two processes. Prints the smallest of the repeats, each over Epafi's one process of two threads, whether
 Epafi ends in the same state, and the largest difference between the places of spheres in LAMMPS on one and two processes. Writes
 docs/performance/ranks_lammps.csv. Needs numpy; of Debian: lammps, openmpi-bin.
+
+A thread that other programs disturb rests (engine/threads/preemption.h): where cores_at_work is not near 2 in the row of two threads, the
+comparison is with one. Take a quiet machine, or put `chrt -f 5` before the command as root.
 """
 import argparse
 import csv
@@ -35,7 +38,7 @@ def mpirun(ranks, command, folder):
 
 
 def epafi(o, ranks, threads):
-    """Wall seconds of the steps, and the hash of the state."""
+    """Wall seconds of the steps, the hash of the state, and how many cores were at work."""
     folder = o.scratch / f"epafi_{ranks}x{threads}"
     arguments = ["run", SCENE, "--set", f"params.n={o.n}", "--steps", str(o.steps), "-t", str(threads), "--quiet", "--force", "-o", str(folder)]
     program = str(pathlib.Path(o.build).resolve() / "bin" / ("epafi" if ranks == 1 else "epafi-mpi"))
@@ -44,7 +47,8 @@ def epafi(o, ranks, threads):
     else:
         mpirun(ranks, [program, *arguments], o.scratch)
     summary = json.loads((folder / "summary.json").read_text())
-    return summary["wall_time"], summary["state_hash"]
+    cores = ranks * summary["cpu_time"] / summary["wall_time"]
+    return summary["wall_time"], summary["state_hash"], cores
 
 
 def start_state(o):
@@ -94,12 +98,13 @@ def main():
     write_lammps(o)
     cases = [("Epafi", 1, 1), ("Epafi", 1, 2), ("Epafi", 2, 1), ("LAMMPS granular", 1, 1), ("LAMMPS granular", 2, 1)]
     seconds = {case: float("inf") for case in cases}
-    ends = {}
+    ends, cores = {}, {}
     for _ in range(o.repeats):
         for case in cases:
             code, ranks, threads = case
-            wall, ends[case] = epafi(o, ranks, threads) if code == "Epafi" else lammps(o, ranks)
-            seconds[case] = min(seconds[case], wall)
+            wall, ends[case], *at_work = epafi(o, ranks, threads) if code == "Epafi" else lammps(o, ranks)
+            if wall < seconds[case]:
+                seconds[case], cores[case] = wall, at_work
     hashes = {ends[case] for case in cases if case[0] == "Epafi"}
     moved = numpy.abs(ends[cases[3]] - ends[cases[4]])
     rows = []
@@ -107,7 +112,8 @@ def main():
         code, ranks, threads = case
         same = len(hashes) == 1 if code == "Epafi" else bool((moved == 0).all())
         rows.append({"code": code, "processes": ranks, "threads": threads, "bodies": o.n, "steps": o.steps,
-                     "seconds": f"{seconds[case]:.3g}", "over_two_threads": f"{seconds[case] / seconds[cases[1]]:.2f}",
+                     "seconds": f"{seconds[case]:.3g}", "cores_at_work": f"{cores[case][0]:.2f}" if cores[case] else "",
+                     "over_two_threads": f"{seconds[case] / seconds[cases[1]]:.2f}",
                      "same_bits": same, "largest_difference_m": f"{moved.max():.2g}" if code != "Epafi" else "",
                      "load_of_machine": f"{os.getloadavg()[0]:.1f}"})
     with open(ROOT / "docs" / "performance" / "ranks_lammps.csv", "w", newline="") as file:

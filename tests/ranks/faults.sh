@@ -51,7 +51,7 @@ cat > "$folder/wrong.toml" <<SCENE
 run = { duration = 0.1, time_step = 1e-4 }
 material.m = { density = 1000.0, youngs_modulus = "5 MPa", poissons_ratio = 0.3 }
 contact = { method = "smooth", restitution = 0.6, friction = 0.5, smooth = { law = "hertz-mindlin" } }
-output = { problems = 10 }
+output = { problems = { every = 1e-3 } }
 [[body]]
 shape = { sphere = { radius = 0.1 } }
 material = "m"
@@ -59,7 +59,7 @@ position = [0.5, 0.5, 0.5]
 SCENE
 on_ranks 3 1 "$shared" run "$folder/wrong.toml" -o "$folder/refused" > "$folder/log" 2>&1
 [ $? -eq 2 ] || fail "a scene that is refused: exit code $?"
-[ "$(grep -c 'wrong.toml:4:[0-9]*: error: output.problems_every .*run the scene without' "$folder/log")" = 1 ] || fail "no single line that refuses: $(cat "$folder/log")"
+[ "$(grep -c 'wrong.toml:4:[0-9]*: error: output.problems .*run the scene without' "$folder/log")" = 1 ] || fail "no single line that refuses: $(cat "$folder/log")"
 on_ranks 3 1 "$shared" run "$folder/absent.toml" > "$folder/log" 2>&1
 code=$?
 "$alone" run "$folder/absent.toml" > /dev/null 2>&1
