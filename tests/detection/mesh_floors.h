@@ -69,9 +69,8 @@ ContactSet contacts_with(const S& shape, const Pose& body, const TriangleMesh& m
   sink.end();
   return set;
 }
-/// A mesh gives four points of a plane; a half-space gives no more where what does not overlap yet is wanted too.
 template <class A, class B>
-ContactSet contacts_closed(const A& a, const Pose& pa, const B& b, const Pose& pb, double reach = 1e-300) {
+ContactSet contacts_closed(const A& a, const Pose& pa, const B& b, const Pose& pb, double reach = 0.0) {
   ContactSet set;
   set.with_curvature = true;
   ContactSink sink(set);

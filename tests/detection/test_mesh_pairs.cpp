@@ -417,3 +417,21 @@ TEST_CASE("cylinders and ellipsoids on a triangulated floor see the plane", "[de
     }
   }
 }
+
+TEST_CASE("a ball as near to an inner edge as rounding can tell has one contact", "[detection][mesh]") {
+  // a foot beside the edge by less than 1e-8 of the radius has the distance of the edge, to the last digit
+  Random random(644, 1);
+  for (int draw = 0; draw < 400; ++draw) {
+    TriangleSurface two;
+    two.vertices = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    two.triangles = {{0, 1, 2}, {0, 2, 3}};
+    const Pose floor{testing::random_point(random), testing::random_turn(random)};
+    const double radius = std::pow(10.0, random.uniform(-3, 0)), along = random.uniform(-0.5, 0.5);
+    const double beside = (draw % 2 == 0 ? 1.0 : -1.0) * radius * std::pow(10.0, random.uniform(-14, -6));
+    const Vec3 at(along + beside, along - beside, radius * (1.0 - std::pow(10.0, random.uniform(-9, -3))));
+    const ContactSet found = testing::contacts_with(Sphere{radius}, {floor.to_world(at), Quat(1, 0, 0, 0)},
+                                                    TriangleMesh::from_surface(two), floor);
+    INFO("draw " << draw << ", radius " << radius << ", beside " << beside / radius);
+    CHECK(found.size() == 1);
+  }
+}

@@ -195,8 +195,12 @@ class Polytope {
 
 /// Deepest points by the distance of the bodies once B is pushed out along the normal and a little further: the point
 /// of the difference nearest to (depth + a little) n is depth n, whichever of several coplanar facets holds it. (At
-/// exact touch of a tip and a face, weights on the wrong facet put the point 0.3 of the size beside the tip.)
+/// exact touch of a tip and a face, weights on the wrong facet put the point 0.3 of the size beside the tip.) Where
+/// they overlap still, as the depth of a sliver is known to rounding only, the points farthest along the normal.
 void push_apart(const MinkowskiDifference& difference, Penetration& p) {
+  const MinkowskiVertex tips = difference.support(p.normal);
+  p.witness_a = tips.a;
+  p.witness_b = tips.b;
   const Vec3 push = (p.upper + 1e-3 * difference.size()) * p.normal;
   MinkowskiDifference apart = difference;
   apart.offset += push;

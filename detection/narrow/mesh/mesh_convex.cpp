@@ -172,7 +172,8 @@ class ConvexOnMesh {
 
   void collide() {
     if (!find_near()) return;
-    if (all_plain(mesh_, triangles_)) return on_face(triangles_.front(), normal_of(triangles_.front()), {}, true);
+    if (all_plain(mesh_, triangles_))
+      return on_face(triangles_.front(), normal_of(triangles_.front()), {}, Face::plain);
     spoken_.assign(triangles_.size(), 0);
     solved_.clear();
     solved_triangles_.clear();
@@ -232,7 +233,7 @@ class ConvexOnMesh {
       hold_deepest(way, before);
       return remember(way);
     }
-    on_face(best.triangle, best.normal, region_.triangles, false);
+    on_face(best.triangle, best.normal, region_.triangles, leans ? Face::leaning : Face::bent);
     const WayOut out{best.gap, best.normal, way.on_mesh, 0.0};
     if (!leans) hold_deepest(out, before);
     if (out_.size() > before) remember(out);
@@ -309,11 +310,13 @@ class ConvexOnMesh {
     });
   }
 
+  /// Whether the body sees a plane; a face whose region lets it out sooner, but onto others, or a face with edges.
+  enum class Face { plain, leaning, bent };
   /// The points on the plane of t, towards n: those over its face.
-  void on_face(std::uint32_t t, const Vec3& n, const std::vector<std::uint32_t>& members, bool plain) {
+  void on_face(std::uint32_t t, const Vec3& n, const std::vector<std::uint32_t>& members, Face kind) {
     const Vec3 point = mesh_.vertices[mesh_.triangles[t][0]];
     const std::size_t before = out_.size();
-    if (plain) {
+    if (kind == Face::plain) {
       side_.on_plane(b_, n, point, [&](const Vec3& x, double gap, std::uint32_t name) {
         out_.push_back({x, n, gap, mesh_feature(mesh_.face[t], name)});
       });
@@ -348,7 +351,7 @@ class ConvexOnMesh {
         if (std::is_same_v<Side, PolyhedronSide> && p.cut == 0) continue;  // a corner of the body
         const Cut cut = p.cut == 0 ? Cut::none : cut_at(member, region_.front, p.x);
         if (cut == Cut::inside) continue;
-        if (cut == Cut::rim || came_through(member, n, p.x)) add(member, n, point, p, p.cut);
+        if ((cut == Cut::rim && kind == Face::bent) || came_through(member, n, p.x)) add(member, n, point, p, p.cut);
       }
     }
   }

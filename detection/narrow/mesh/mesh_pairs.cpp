@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace epafi {
 namespace {
@@ -68,9 +69,11 @@ class SphereOnMesh {
       touches_.push_back({near.distance, t, {centre + near.point, near.distance, near.part}, n});
     }
     if (touches_.size() < 2) return;
-    std::sort(touches_.begin(), touches_.end(), [](const Touch& a, const Touch& b) {
-      return a.distance < b.distance || (a.distance == b.distance && a.triangle < b.triangle);
-    });
+    // as near as rounding can tell, a face comes before its edge: the foot beside the edge is not on the next triangle
+    const auto order = [this](const Touch& t) {
+      return std::pair(t.distance + (t.nearest.part == TrianglePart::face ? 0.0 : tolerance_), t.triangle);
+    };
+    std::ranges::sort(touches_, {}, order);
   }
   /// In a shallow hollow of a smooth surface several faces are near, where the surface that they stand for touches
   /// once: of faces that gentle edges join within reach, the nearest leaves out those turned by less than `one_spot`.

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double not_rising = 1e-9;  // [rad] far below what a normal can feel, far above rounding
 
-/// The triangles around a place, gathered to a region.
+/// The triangles around a place, gathered to a region: the first in any case, rounded slivers lie around notches.
 class Gathering {
  public:
   Gathering(const PlacedCore& body, std::span<const std::uint32_t> triangles, bool front, MeshRegion& region)
@@ -29,8 +29,9 @@ class Gathering {
   void take(std::uint32_t t) {
     const auto corner = mesh_.corners(t);
     const RegionPlane plane{region_.front ? mesh_.normals[t] : Vec3(-mesh_.normals[t]), corner[0], t};
-    if (!region_.triangles.empty() && !bends_away(plane, corner)) return;
-    if (!region_.notches.empty() && !keeps_notches_out(corner)) return;
+    const bool is_first = region_.triangles.empty();
+    if (!is_first && !bends_away(plane, corner)) return;
+    if (!region_.notches.empty() && !keeps_notches_out(corner) && !is_first) return;
     region_.triangles.push_back(t);
     const auto same = [&](const RegionPlane& p) { return mesh_.face[p.triangle] == mesh_.face[t]; };
     if (std::none_of(region_.planes.begin(), region_.planes.end(), same)) region_.planes.push_back(plane);
