@@ -3,6 +3,7 @@
 #include <zoltan.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "engine/units/error.h"
 #include "ranks/communicator.h"
@@ -34,6 +35,8 @@ struct Partition::Cuts {
 
   void find_boxes() {
     boxes.clear();
+    const Vec3 far = Vec3::Constant(std::numeric_limits<double>::infinity());
+    if (rank_count() == 1) return boxes.push_back({-far, far});  // Zoltan has no cuts then
     for (int rank = 0; rank < rank_count(); ++rank) {
       int axes = 0;
       Vec3 a, b;

@@ -36,8 +36,7 @@ void refuse_wheelsets(const Scene& scene, Refusals& refusals) {
 
 /// What whole steps cannot do where each process has its bodies alone. Of impulses process 0 makes the steps.
 void refuse_in_steps(const Scene& scene, Refusals& refusals) {
-  if (scene.output.problems_every)
-    refusals.add(true, scene.output.problems_every->place, "output.problems", run_alone);
+  if (scene.output.problems_every) refusals.add(true, scene.output.problems_every->place, "output.problems", run_alone);
   refuse_wheelsets(scene, refusals);
 }
 

@@ -94,7 +94,7 @@ class SpringForces final : public ContactLayer, public SharedModel {
 
 /// The pose after the body went on for `ahead` [s] as it moves now.
 Pose pose_ahead(const World& world, Slot s, double ahead) {
-  Pose pose = world.pose(s);
+  Pose pose = unwrapped_pose(world, s);
   pose.position += ahead * world.velocity[s];
   if (world.has_orientation()) pose.orientation = turned(pose.orientation, ahead * world.angular_velocity[s]);
   return pose;
@@ -110,12 +110,12 @@ void SpringForces::attach(const World& world, double time) {
     const SpringElement& s = springs_[k];
     if (relaxed_[k].allFinite() || !holds(world, k)) continue;
     const Slot a = world.slot_of(s.body);
-    const Vec3 near = world.pose(a).to_world(s.attachment);
+    const Vec3 near = unwrapped_pose(world, a).to_world(s.attachment);
     Vec3 stretch = Vec3::Zero();
     for (int i = 0; i < 3; ++i)
       if (s.stiffness[i] > 0.0) stretch[i] = s.preload[i] / s.stiffness[i];
     const double distance = s.to ? 0.0 : way_->distance_of(near) - s.speed * time;
-    const Pose far = s.to ? world.pose(world.slot_of(*s.to)) : way_->frame(distance + s.speed * time);
+    const Pose far = s.to ? unwrapped_pose(world, world.slot_of(*s.to)) : way_->frame(distance + s.speed * time);
     relaxed_[k] = far.to_local(near) + stretch;
     start_[k] = distance;
   }
@@ -125,7 +125,7 @@ FarEnd SpringForces::far_end(const World& world, std::size_t k, const Vec3& near
   const SpringElement& s = springs_[k];
   if (s.to) {
     const Slot b = world.slot_of(*s.to);
-    const Pose pose = world.pose(b);
+    const Pose pose = unwrapped_pose(world, b);
     const BodyMotion m = motion_at_detection(world, b, clock);
     return {pose.to_world(relaxed_[k]), pose.orientation.toRotationMatrix(),
             m.velocity + m.angular_velocity.cross(near - pose.position)};
@@ -143,7 +143,7 @@ SpringForces::Pull SpringForces::pull(const World& world, std::size_t k, const S
   const Slot a = world.slot_of(s.body);
   Pull p;
   p.arm = world.pose(a).orientation * s.attachment;
-  const Vec3 near = world.position[a] + p.arm;
+  const Vec3 near = world.unwrapped(a) + p.arm;
   p.far = far_end(world, k, near, clock);
   const BodyMotion m = motion_at_detection(world, a, clock);
   const Vec3 stretch = p.far.axes.transpose() * (p.far.point - near),
@@ -152,7 +152,7 @@ SpringForces::Pull SpringForces::pull(const World& world, std::size_t k, const S
   p.damper = p.far.axes * damper;
   p.rate = p.far.axes * rate;
   p.force = p.far.axes * s.stiffness.cwiseProduct(stretch) + p.damper;
-  if (s.to) p.far_arm = near - world.position[world.slot_of(*s.to)];
+  if (s.to) p.far_arm = near - world.unwrapped(world.slot_of(*s.to));
   balance.elastic += 0.5 * stretch.dot(s.stiffness.cwiseProduct(stretch));
   balance.lost += damper.dot(rate);
   const bool driven = !s.to || !world.is_movable(world.slot_of(*s.to));
@@ -294,9 +294,9 @@ class SpringOperator {
     for (const SpringElement& s : springs) {
       const Slot a = world.slot_of(s.body), b = s.to ? world.slot_of(*s.to) : no_slot;
       if (a == no_slot || (s.to && b == no_slot)) continue;
-      const Vec3 arm = world.pose(a).orientation * s.attachment, near = world.position[a] + arm;
+      const Vec3 arm = world.pose(a).orientation * s.attachment, near = world.unwrapped(a) + arm;
       const Quat axes = s.to ? world.pose(b).orientation : way.frame(way.distance_of(near)).orientation;
-      ends_.push_back({a, b, arm, s.to ? Vec3(near - world.position[b]) : Vec3(Vec3::Zero()), axes.toRotationMatrix(),
+      ends_.push_back({a, b, arm, s.to ? Vec3(near - world.unwrapped(b)) : Vec3(Vec3::Zero()), axes.toRotationMatrix(),
                        s.stiffness, s.damping});
     }
   }

@@ -27,6 +27,13 @@ struct SpringElement {
   Vec3 preload = Vec3::Zero();     ///< force on the body as the scene starts, same axes [N]
 };
 
+/// Along the body's whole path: where it is put back into a periodic cell, it pulls as before.
+inline Pose unwrapped_pose(const World& world, Slot s) {
+  Pose pose = world.pose(s);
+  pose.position = world.unwrapped(s);
+  return pose;
+}
+
 /// smooth: forces are added to those of the contacts; else velocities are kicked before them.
 std::unique_ptr<ContactModel> make_spring_forces(std::vector<SpringElement> springs,
                                                  std::shared_ptr<const Guideway> way, bool smooth,

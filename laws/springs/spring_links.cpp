@@ -14,7 +14,7 @@ void append_spring_links(const std::vector<SpringElement>& springs, const World&
     Mat3 axes = Mat3::Identity();
     if (s.to) {
       axes = world.pose(link.a).orientation.toRotationMatrix();
-      link.arm_a = near.position + link.arm_b - world.position[link.a];
+      link.arm_a = world.unwrapped(link.b) + link.arm_b - world.unwrapped(link.a);
     }
     for (int i = 0; i < 3; ++i) {
       link.normal = axes.col(i);

@@ -91,8 +91,8 @@ std::vector<Vec3> spring_loads(const Assembly& a) {
     const SpringElement& s = springs[k];
     const Slot body = world.slot_of(s.body), far = s.to ? world.slot_of(*s.to) : no_slot;
     if (body == no_slot || (s.to && far == no_slot)) continue;
-    const Pose frame = s.to ? world.pose(far) : way->frame(state.start[k] + s.speed * world.clock);
-    const Vec3 stretch = state.relaxed[k] - frame.to_local(world.pose(body).to_world(s.attachment));
+    const Pose frame = s.to ? unwrapped_pose(world, far) : way->frame(state.start[k] + s.speed * world.clock);
+    const Vec3 stretch = state.relaxed[k] - frame.to_local(unwrapped_pose(world, body).to_world(s.attachment));
     out[k] = s.stiffness.cwiseProduct(stretch);
   }
   return out;

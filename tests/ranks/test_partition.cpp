@@ -61,6 +61,27 @@ TEST_CASE("points that weigh more are shared out over more ranks, so that all ha
   CHECK(*std::ranges::max_element(weight) <= 1.05 * sum / rank_count() + 4.0);
 }
 
+TEST_CASE("a cube deep in a part meets that part alone") {
+  const auto all = random_points(3000, 17);
+  Partition partition;
+  partition.cut(rank_number() == 0 ? std::span<const Vec3>(all) : std::span<const Vec3>());
+  Random random(5, 2);
+  int deep = 0;
+  for (const Vec3& x : all) {
+    const double half = random.uniform(0.0, 0.3);
+    const int owner = partition.owner(x);
+    std::vector<int> near;
+    partition.ranks_near(x, half, near);
+    for (int rank = 0; rank < rank_count(); ++rank) {
+      if (!partition.is_deep(x, half, rank)) continue;
+      ++deep;
+      CHECK(owner == rank);
+      CHECK(near == std::vector{rank});
+    }
+  }
+  CHECK(deep > 500);  // it is no use where it says so too rarely
+}
+
 TEST_CASE("a box meets the parts of all points in it, far outside too") {
   const auto all = random_points(500, 11);
   Partition partition;
