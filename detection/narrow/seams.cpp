@@ -1,11 +1,7 @@
 #include "detection/narrow/seams.h"
 
-#include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
-
-#include "detection/narrow/few_points.h"
 
 namespace epafi {
 
@@ -420,8 +416,8 @@ void Seams::rest_on_few(const World& world, ContactSet& contacts, std::span<cons
   // what a contact remembers goes on at another point
   const Slot body = first.of(body_is_b);
   const auto wall_of = [&](std::uint32_t k) { return groups_[k].of(groups_[k].a == body); };
-  for (const std::uint32_t k : surface)
-    for (const std::uint32_t m : surface) contacts.joined.push_back({body, wall_of(k), wall_of(m)});
+  for (const auto k : surface)
+    for (const auto m : surface) contacts.joined.push_back({body, wall_of(k), wall_of(m)});
 }
 
 /// Of bodies with flat faces; centre: of the body from that of the points.
