@@ -1,8 +1,6 @@
 #include "detection/narrow/seams.h"
 
-#include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 namespace epafi {

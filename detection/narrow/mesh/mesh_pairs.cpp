@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace epafi {
 namespace {
@@ -70,10 +69,13 @@ class SphereOnMesh {
     }
     if (touches_.size() < 2) return;
     // as near as rounding can tell, a face comes before its edge: the foot beside the edge is not on the next triangle
-    const auto order = [this](const Touch& t) {
-      return std::pair(t.distance + (t.nearest.part == TrianglePart::face ? 0.0 : tolerance_), t.triangle);
+    const auto is_before = [this](const Touch& a, const Touch& b) {
+      const bool on_face = a.nearest.part == TrianglePart::face;
+      if (on_face == (b.nearest.part == TrianglePart::face))
+        return a.distance < b.distance || (a.distance == b.distance && a.triangle < b.triangle);
+      return on_face ? a.distance - tolerance_ <= b.distance : a.distance < b.distance - tolerance_;
     };
-    std::ranges::sort(touches_, {}, order);
+    std::sort(touches_.begin(), touches_.end(), is_before);
   }
   /// In a shallow hollow of a smooth surface several faces are near, where the surface that they stand for touches
   /// once: of faces that gentle edges join within reach, the nearest leaves out those turned by less than `one_spot`.
