@@ -173,6 +173,7 @@ class FusedModel final : public FusedSpheres {
     visitor.share("spheres/others", others_);
     visitor.share("spheres/viscous_power", viscous_power_);
     visitor.share("spheres/driven_power", driven_power_);
+    for (int k = 0; k < 3; ++k) visitor.share(std::string("spheres/virial_") + "xyz"[k], virial_[k]);
   }
 
  private:
@@ -366,15 +367,17 @@ class FusedModel final : public FusedSpheres {
   /// Work of driven balls and of the strain of a cell.
   void drive(World& world, bool others, double dt, StepReport& report) {
     if (!world.cell && blocks_.balls().empty()) return;
-    double power = world.owner.empty() ? blocks_.balls().driven_power(world)
-                                       : SphereContacts(world, blocks_).driven_power(loads(world));
-    if (world.cell) power += deform(*world.cell, others);
+    const double power = world.owner.empty() ? blocks_.balls().driven_power(world)
+                                             : SphereContacts(world, blocks_).driven_power(loads(world));
     report.work += 0.5 * dt * (driven_power_ + power);
     driven_power_ = power;
+    if (!world.cell) return;
+    const Vec3 virial = add_virial(*world.cell, others);  // as in SmoothContact::evaluate
+    report.work += 0.5 * dt * (virial_ + virial).dot(world.cell->strain_rate);
+    virial_ = virial;
   }
-  /// Adds the virial to that of the generic loop (which is of an earlier step where it did not run); returns the power
-  /// of the strain on it.
-  double deform(PeriodicCell& cell, bool others) const {
+  /// Adds the virial to that of the generic loop (which is of an earlier step where it did not run).
+  Vec3 add_virial(PeriodicCell& cell, bool others) const {
     Vec3 virial;
     for (std::size_t k = 0; k < 3; ++k) {
       OrderFreeSum sum;
@@ -383,7 +386,7 @@ class FusedModel final : public FusedSpheres {
     }
     if (!blocks_.balls().empty()) virial += blocks_.balls().virial();
     cell.virial = others ? Vec3(cell.virial + virial) : virial;
-    return virial.dot(cell.strain_rate);
+    return virial;
   }
 
   SphereContacts::LoadOf loads(const World& world) const {
@@ -478,8 +481,9 @@ class FusedModel final : public FusedSpheres {
   std::vector<Extent> extents_, next_extents_;     ///< of this step and of the next one, by block
   Extent extent_;
   bool has_extent_ = false;
-  double viscous_power_ = 0.0;  ///< of the dampers at the last call [W]
-  double driven_power_ = 0.0;   ///< of driven balls and the cell's strain on the fused contacts at the last call [W]
+  double viscous_power_ = 0.0;      ///< of the dampers at the last call [W]
+  double driven_power_ = 0.0;       ///< of driven balls at the last call [W]
+  Vec3 virial_ = Vec3::Zero();      ///< of the fused contacts at the last call, in a periodic cell [N m]
   mutable bool published_ = false;  ///< the contacts of this step are in the set already
   mutable SpherePublisher publisher_;
   SphereBlocks blocks_;
