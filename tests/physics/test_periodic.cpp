@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "engine/state/state_snapshot.h"
 #include "engine/units/random.h"
@@ -229,12 +230,48 @@ TEST_CASE("a cell strains towards its pressure", "[physics][periodic][long]") {
   const double a = (-1000 + std::sqrt(1e6 + 4 * 500 * 100.0)) / 1000;
   CHECK(cell.size.x() == Approx(3 * a).epsilon(1e-6));
   CHECK(run.last("s", "pressure") == Approx(500.0).epsilon(1e-6));
-  // in the first step the rate jumps, half a step of its power is counted wrong: 1.1e-3 of the energy, first order in
-  // dt
-  auto finer = start_text(lattice(3, 0.1, "pressure = 500.0, rate_limit = 1.0", 0.9), {"run.time_step=5e-5"});
-  finer.advance_to(0);
-  CHECK(std::abs(run.energy_error()) < 1.2e-3);
-  CHECK(finer.energy_error() == Approx(0.5 * run.energy_error()).epsilon(0.1));
+  CHECK(std::abs(run.energy_error()) < 1e-4);
+}
+
+TEST_CASE("the balance of packings that a cell presses closes, however its rate follows", "[physics][periodic]") {
+  // forces before a strain and after it act on its way; each with the rate of its own step left 9e-4 to 1.8e-3 open
+  Random random(5, 0);
+  for (int k = 0; k < 4; ++k) {
+    const bool capsules = k % 2 == 1;
+    const double d = 0.01, volume = std::numbers::pi / 6.0 * d * d * d * (capsules ? 1.675 : 1.0);
+    const double edge = std::cbrt(40.0 * volume / (capsules ? 0.1 : 0.2));
+    auto run = start_text(fmt::format(
+        R"(run = {{ duration = 1.0, time_step = 4e-5, output_interval = 10.0 }}
+[world.domain]
+min = [0, 0, 0]
+max = [{0}, {0}, {0}]
+periodic = ["x", "y", "z"]
+pressure = {1}
+rate_limit = 1.0
+[material.a]
+density = 2500.0
+[contact]
+method = "smooth"
+restitution = {2}
+friction = {3}
+smooth = {{ law = "linear", stiffness = 1000.0 }}
+[shape.s]
+{4}
+[[fill]]
+name = "g"
+shape = "s"
+material = "a"
+count = 40
+method = "random"
+velocity_deviation = 0.02
+region = {{ box = {{ min = [0, 0, 0], max = [{0}, {0}, {0}] }} }}
+)",
+        edge, std::pow(10.0, random.uniform(2.5, 3.2)), random.uniform(0.3, 0.6), random.uniform(0.2, 1.0),
+        capsules ? "capsule = { radius = 0.005, length = 0.0045 }" : "sphere = { radius = 0.005 }"));
+    run.advance_to(0);
+    CHECK(run.failure.empty());
+    CHECK(std::abs(run.energy_error()) < 2e-4);
+  }
 }
 
 TEST_CASE("a shaken periodic gas: any broad phase, any restart, momentum kept", "[physics][periodic]") {

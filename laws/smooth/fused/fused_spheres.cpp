@@ -180,6 +180,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     visitor.share("spheres/others", others_);
     visitor.share("spheres/viscous_power", viscous_power_);
     visitor.share("spheres/driven_power", driven_power_);
+    for (int k = 0; k < 3; ++k) visitor.share(std::string("spheres/virial_") + "xyz"[k], virial_[k]);
   }
 
  private:
@@ -381,21 +382,23 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   /// Work of driven balls and of the strain of a cell.
   void drive(World& world, bool others, double dt, StepReport& report) {
     if (!world.cell && blocks_.balls().empty()) return;
-    double power = world.owner.empty() ? blocks_.balls().driven_power(world)
-                                       : SphereContacts(world, blocks_).driven_power(loads(world));
-    if (world.cell) power += deform(world, others);
+    const double power = world.owner.empty() ? blocks_.balls().driven_power(world)
+                                             : SphereContacts(world, blocks_).driven_power(loads(world));
     report.work += 0.5 * dt * (driven_power_ + power);
     driven_power_ = power;
+    if (!world.cell) return;
+    const Vec3 virial = deform(world, others);  // as in SmoothContact::evaluate
+    report.work += 0.5 * dt * (virial_ + virial).dot(world.cell->strain_rate);
+    virial_ = virial;
   }
-  /// Adds the virial to that of the generic loop (which is of an earlier step where it did not run); returns the power
-  /// of the strain on it.
-  double deform(World& world, bool others) const {
+  /// Adds the virial to that of the generic loop (which is of an earlier step where it did not run).
+  Vec3 deform(World& world, bool others) const {
     Virial found;
     add_virial(world, found);
     const Vec3 virial = found.value();
     PeriodicCell& cell = *world.cell;
     cell.virial = others ? Vec3(cell.virial + virial) : virial;
-    return virial.dot(cell.strain_rate);
+    return virial;
   }
 
   SphereContacts::LoadOf loads(const World& world) const {
@@ -490,8 +493,9 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   std::vector<Extent> extents_, next_extents_;     ///< of this step and of the next one, by block
   Extent extent_;
   bool has_extent_ = false;
-  double viscous_power_ = 0.0;  ///< of the dampers at the last call [W]
-  double driven_power_ = 0.0;   ///< of driven balls and the cell's strain on the fused contacts at the last call [W]
+  double viscous_power_ = 0.0;      ///< of the dampers at the last call [W]
+  double driven_power_ = 0.0;       ///< of driven balls at the last call [W]
+  Vec3 virial_ = Vec3::Zero();      ///< of the fused contacts at the last call, in a periodic cell [N m]
   mutable bool published_ = false;  ///< the contacts of this step are in the set already
   mutable SpherePublisher publisher_;
   SphereBlocks blocks_;
