@@ -313,6 +313,8 @@ bool Part::step(double dt, const std::optional<Domain>& domain, StepReport& repo
   virial_is_joined_ = false;
   work_.begin();
   if (sim_.loads) sim_.loads->before_step(world, dt);
+  // the work of a strain is by the forces before and after it: process 0 books the former, of all contacts
+  if (world.cell && rank_number() != 0) world.cell->virial.setZero();
   epafi::step(world, sim_.pipeline, sim_.work, dt);
   if (sim_.loads) sim_.work.report.work += sim_.loads->after_step(world, dt);
   sim_.work.report.work += booked;

@@ -173,10 +173,10 @@ class SmoothContact final : public ContactModel {
     else
       gather_forces(contacts, incidence_, world);
     record(sums, contacts, clock.dt, report);
-    if (world.cell) {  // the forces before the strain and after it act on its way
-      const Vec3 virial = world.cell->virial = contact_virial(world, contacts);
-      report.work += 0.5 * clock.dt * (virial_ + virial).dot(world.cell->strain_rate);
-      virial_ = virial;
+    if (world.cell) {                          // the forces before the strain and after it act on its way
+      const Vec3 before = world.cell->virial;  // of all contacts, those of spheres in their own loop too
+      world.cell->virial = contact_virial(world, contacts);
+      report.work += 0.5 * clock.dt * (before + world.cell->virial).dot(world.cell->strain_rate);
     }
   }
 
@@ -187,7 +187,6 @@ class SmoothContact final : public ContactModel {
   void visit(StateVisitor& visitor) override {
     visitor.share("smooth/viscous_power", before_.viscous_power);
     visitor.share("smooth/driven_power", before_.driven_power);
-    for (int k = 0; k < 3; ++k) visitor.share(std::string("smooth/virial_") + "xyz"[k], virial_[k]);
     if constexpr (slides || rolls) visitor.share("smooth/spring_energy", before_.spring_energy);
     if constexpr (remembers) memory_.visit(visitor);
   }
@@ -428,8 +427,7 @@ class SmoothContact final : public ContactModel {
   Incidence incidence_;
   TouchedBodies touched_;  ///< where they are few
   std::vector<SmoothSums> blocks_;
-  SmoothSums before_;           ///< of the last call
-  Vec3 virial_ = Vec3::Zero();  ///< of the last call, in a periodic cell [N m]
+  SmoothSums before_;  ///< of the last call
 };
 
 }  // namespace epafi

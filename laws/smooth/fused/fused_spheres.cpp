@@ -180,7 +180,6 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     visitor.share("spheres/others", others_);
     visitor.share("spheres/viscous_power", viscous_power_);
     visitor.share("spheres/driven_power", driven_power_);
-    for (int k = 0; k < 3; ++k) visitor.share(std::string("spheres/virial_") + "xyz"[k], virial_[k]);
   }
 
  private:
@@ -387,9 +386,9 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     report.work += 0.5 * dt * (driven_power_ + power);
     driven_power_ = power;
     if (!world.cell) return;
-    const Vec3 virial = deform(world, others);  // as in SmoothContact::evaluate
-    report.work += 0.5 * dt * (virial_ + virial).dot(world.cell->strain_rate);
-    virial_ = virial;
+    const Vec3 before = others ? Vec3(0, 0, 0) : world.cell->virial;  // the generic loop has booked it where it ran
+    const Vec3 virial = deform(world, others);
+    report.work += 0.5 * dt * (before + virial).dot(world.cell->strain_rate);
   }
   /// Adds the virial to that of the generic loop (which is of an earlier step where it did not run).
   Vec3 deform(World& world, bool others) const {
@@ -495,7 +494,6 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   bool has_extent_ = false;
   double viscous_power_ = 0.0;      ///< of the dampers at the last call [W]
   double driven_power_ = 0.0;       ///< of driven balls at the last call [W]
-  Vec3 virial_ = Vec3::Zero();      ///< of the fused contacts at the last call, in a periodic cell [N m]
   mutable bool published_ = false;  ///< the contacts of this step are in the set already
   mutable SpherePublisher publisher_;
   SphereBlocks blocks_;
