@@ -117,6 +117,7 @@ void RunMonitor::watch_models(const StepView& view) {
 /// The largest overlap so far. A contact matters to the relative one only where it would exceed it on the smallest
 /// body.
 void RunMonitor::note_overlap(const StepView& view) {
+  const ContactSet& c = view.contacts;
   const double deepest = view.report.deepest;
   totals_.overlap_max = std::max(totals_.overlap_max, deepest);
   const double before = totals_.overlap_relative, known = std::max(before, view.report.deepest_relative);

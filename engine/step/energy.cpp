@@ -36,12 +36,13 @@ Vec3 linear_momentum(const World& world) {
   return {all.momentum[0].value(), all.momentum[1].value(), all.momentum[2].value()};
 }
 
-void EnergyLedger::start(const World& world, const StepReport& report) {
+void EnergyLedger::start(const World& world, const StepReport& report, const Losses& met) {
   now_ = {};
-  most_taken_ = early_ = 0.0;
+  early_ = 0.0;
   now_.elastic = report.elastic;
+  now_.losses.adhesive = now_.taken = now_.dissipated = most_taken_ = met.adhesive;
   measure(world);
-  start_ = now_.stored();
+  start_ = now_.stored() + met.adhesive;
   largest_inner_ = now_.kinetic + now_.elastic;
   lowest_potential_ = highest_potential_ = now_.potential;
 }

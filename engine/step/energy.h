@@ -36,8 +36,8 @@ struct Energy {
 
 class EnergyLedger {
  public:
-  /// The state of time 0.
-  void start(const World& world, const StepReport& report);
+  /// The state of time 0. met: lost where bodies meet in it; E(0) is that before they do.
+  void start(const World& world, const StepReport& report, const Losses& met = {});
   /// After every step: adds its losses and work.
   /// fall: |g| dt [m/s], the speed that a step of impulses knows velocities to.
   void add(const StepReport& report, double fall = 0.0);

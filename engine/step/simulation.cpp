@@ -51,7 +51,7 @@ void Simulation::start() {
     evaluate_forces(world, pipeline, work);
   else
     pipeline.contact_model->store(world, work.report);
-  ledger.start(world, work.report);
+  ledger.start(world, work.report, work.report.losses);
   const bool watched = step_is_watched();
   observe(false, watched);
   if (watched) static_cast<void>(look_at_step());  // a single look ends no run
@@ -72,7 +72,7 @@ void Simulation::enter(const Entry& entry) {
   }
   const bool watched = (!entry.forces_hold || entry.new_ledger) && step_is_watched();
   if (entry.new_ledger) {
-    ledger.start(world, work.report);
+    ledger.start(world, work.report, entry.forces_hold ? Losses{} : work.report.losses);
     observe(false, watched);
   } else {  // this step has been seen
     ledger.take_elastic(work.report);

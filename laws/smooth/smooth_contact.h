@@ -408,11 +408,13 @@ class SmoothContact final : public ContactModel {
     report.elastic = now.elastic + now.spring_energy;
     report.work = 0.5 * dt * (before_.driven_power + now.driven_power);
     Losses& lost = report.losses = {};
+    constexpr bool holds_on = requires { &Normal::holds; };
     if (dt > 0.0) {
       lost.viscous = 0.5 * dt * (before_.viscous_power + now.viscous_power);
       lost.frictional = now.spring_work - (now.spring_energy - before_.spring_energy);
-      (requires { &Normal::holds; } ? lost.adhesive : lost.plastic) = now.lost;
+      if (!holds_on) lost.plastic = now.lost;
     }
+    if (holds_on) lost.adhesive = now.lost;  // bodies that touch at the start meet there
     report.dissipated = lost.viscous + lost.frictional + lost.plastic + lost.adhesive;
     report.has_solver = false;
     before_ = now;

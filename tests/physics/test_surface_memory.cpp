@@ -1,5 +1,7 @@
 // What a contact remembers goes on where the body passes from face to face of a mesh: a ball that hangs by adhesion
 // slides along under a ceiling of shallow bends, both hollow and ridged, and does not fall.
+#include <fmt/format.h>
+
 #include <fstream>
 
 #include "tests/support/catch.h"
@@ -64,5 +66,36 @@ TEST_CASE("a ball that hangs by adhesion slides under shallow bends and does not
     INFO("ceiling " << n);
     CHECK(end.z() > -1.1 * radius);
     CHECK(end.x() > 2.5e-3);
+  }
+}
+
+TEST_CASE("whether adhesive bodies start at a gap or an overlap of rounding does not count", "[jkr][energy]") {
+  Random random(641, 7);
+  for (int n = 0; n < 24; ++n) {
+    const double size = std::pow(10.0, random.uniform(-3, -1)), work = size * random.uniform(1, 100);
+    const bool in_sphere_loop = n % 2 == 0;
+    const auto lost = [&](double gap) {
+      const std::string wall = in_sphere_loop ? "half_space = { normal = [0, 0, 1] }" : "box = { size = [1, 1, 0.1] }";
+      auto run = experiments::start_text(fmt::format(
+          "run = {{ duration = 1.0, time_step = {:.17g} }}\nworld = {{ gravity = [0, 0, -9.81] }}\n"
+          "material.m = {{ density = 2500, youngs_modulus = 1e7, poissons_ratio = 0.25 }}\n"
+          "contact = {{ method = \"smooth\", restitution = 0.5, friction = 0, smooth = {{ law = \"jkr\", "
+          "work_of_adhesion = {} }} "
+          "}}\n"
+          "[[body]]\nshape = {{ {} }}\nmaterial = \"m\"\nposition = [0, 0, {}]\nfixed = true\n"
+          "[[body]]\nshape = {{ {} }}\nmaterial = \"m\"\nposition = [0, 0, {:.17g}]\n",
+          1e-3 * size, work, wall, in_sphere_loop ? 0.0 : -0.05,
+          in_sphere_loop ? fmt::format("sphere = {{ radius = {:.17g} }}", size)
+                         : fmt::format("ellipsoid = {{ semi_axes = [{0:.17g}, {0:.17g}, {0:.17g}] }}", size),
+          size + gap));
+      run.advance_to(200);
+      REQUIRE(run.failure.empty());
+      CHECK(std::abs(run.energy_error()) < 1e-2);
+      return run.simulation().ledger.last().losses.adhesive;
+    };
+    const double met = lost(1e-13 * size);
+    INFO("draw " << n << ": radius " << size << ", " << work << " J/m^2");
+    CHECK(met > 0.0);
+    CHECK(lost(-1e-13 * size) == Approx(met).epsilon(1e-6));
   }
 }

@@ -119,7 +119,7 @@ region = { box = { min = [-1, -1, 0.5], max = [1, 1, 1] } }
 sphere = { radius = 0.001 }
 )");
   CHECK_THAT(many, Catch::Contains("1 free, 1 fixed or driven, 100000 poured in later") &&
-                       Catch::Contains("wall time     unknown: nearly all bodies are poured in"));
+                       Catch::Contains("wall time     unknown: nearly all bodies enter"));
   // a state of 100 bytes and a contact of 100 each at least
   CHECK(megabytes(many.substr(many.find("memory"))) > megabytes(one.substr(one.find("memory"))) + 20.0);
 }

@@ -32,6 +32,13 @@ class BallBodies {
   Vec3 offset_of(Slot place) const { return place < size() ? offset_[place] : Vec3(Vec3::Zero()); }
   /// By place of balls; null where there are none.
   const Vec3* offsets() const { return offset_.empty() ? nullptr : offset_.data(); }
+  /// A column of bodies by place.
+  template <class Column>
+  void by_place(const Column& of_bodies, Column& out) const {
+    out.resize(balls_.size());
+    for (std::size_t k = 0; k < balls_.size(); ++k) out[k] = of_bodies[balls_[k].body];
+    out.insert(out.end(), of_bodies.begin(), of_bodies.end());
+  }
   /// no_slot: the body has no such ball.
   Slot place_of(Slot body, std::uint32_t part) const;
 

@@ -1,7 +1,7 @@
 #include "laws/smooth/fused/fused_spheres.h"
 
 #include <cmath>
-#include <tuple>
+#include <span>
 #include <utility>
 
 #include "engine/lanes/targets.h"
@@ -231,7 +231,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     }
     if (first_ > 0) {
       material_.clear();
-      if (!balls.empty()) by_place(world.material, material_);
+      if (!balls.empty()) blocks_.balls().by_place(world.material, material_);
       return;
     }
     const auto first = std::find_if(radius_.begin(), radius_.end(), [](double r) { return r > 0.0; });
@@ -244,15 +244,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
         std::ranges::any_of(balls, [&](const BodyBall& ball) { return differs(ball.body); });
     if (several) own_ = laws_.materials;
     material_.clear();
-    if (several && !balls.empty()) by_place(world.material, material_);
-  }
-  /// A column of bodies by place.
-  template <class Column>
-  void by_place(const Column& of_bodies, Column& out) const {
-    const std::vector<BodyBall>& balls = blocks_.balls().all();
-    out.resize(balls.size());
-    for (std::size_t k = 0; k < balls.size(); ++k) out[k] = of_bodies[balls[k].body];
-    out.insert(out.end(), of_bodies.begin(), of_bodies.end());
+    if (several && !balls.empty()) blocks_.balls().by_place(world.material, material_);
   }
 
   /// Of all bodies in this step.
@@ -264,16 +256,15 @@ class FusedModel final : public FusedSpheres, public SharedModel {
 
   /// Bodies of these places, of several processes.
   bool all_are_here(std::size_t begin, std::size_t end) const {
-    std::size_t others = 0;
-    for (std::size_t place = begin; place < end; ++place) others += owner_[place] != World::here;
-    return others == 0;
+    const std::span<const std::uint8_t> owner = std::span(owner_).subspan(begin, end - begin);
+    return std::ranges::count(owner, World::here) == std::ssize(owner);
   }
 
   /// What every block reads and writes; its own sums and moments come on top.
   SphereArrays arrays_of(const World& world, const StepClock& clock, bool tells_energy) {
     SphereArrays arrays{
         blocks_.planes().data(), all_states(world), 0, clock.dt, lag(clock), laws_.damped, tells_energy};
-    if (!world.owner.empty()) by_place(world.owner, owner_);
+    if (!world.owner.empty()) blocks_.balls().by_place(world.owner, owner_);
     arrays.owner = world.owner.empty() ? nullptr : owner_.data();
     arrays.passes = &passes_;
     arrays.rows = laws_.rows.data();
@@ -367,10 +358,11 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       report.touching += block.touching;
       report.elastic += block.elastic;
       viscous_power += block.viscous;
-      if (dt > 0.0) {
-        lost.frictional += block.slipped;
-        (laws_.holds_on ? lost.adhesive : lost.plastic) += block.lost;
-      }
+      if (dt > 0.0) lost.frictional += block.slipped;
+      if (laws_.holds_on)
+        lost.adhesive += block.lost;  // bodies that touch at the start meet there
+      else if (dt > 0.0)
+        lost.plastic += block.lost;
     }
     lost.viscous = 0.5 * dt * (viscous_power_ + viscous_power);
     viscous_power_ = viscous_power;
@@ -386,18 +378,12 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     report.work += 0.5 * dt * (driven_power_ + power);
     driven_power_ = power;
     if (!world.cell) return;
-    const Vec3 before = others ? Vec3(0, 0, 0) : world.cell->virial;  // the generic loop has booked it where it ran
-    const Vec3 virial = deform(world, others);
-    report.work += 0.5 * dt * (before + virial).dot(world.cell->strain_rate);
-  }
-  /// Adds the virial to that of the generic loop (which is of an earlier step where it did not run).
-  Vec3 deform(World& world, bool others) const {
     Virial found;
     add_virial(world, found);
-    const Vec3 virial = found.value();
-    PeriodicCell& cell = *world.cell;
-    cell.virial = others ? Vec3(cell.virial + virial) : virial;
-    return virial;
+    // where the generic loop ran, the cell has its virial of now, and the step before is booked
+    const Vec3 virial = found.value(), both = world.cell->virial + virial;
+    report.work += 0.5 * dt * (others ? virial : both).dot(world.cell->strain_rate);
+    world.cell->virial = others ? both : virial;
   }
 
   SphereContacts::LoadOf loads(const World& world) const {
