@@ -1,5 +1,6 @@
-# Installation in two parts. program: the program, scenes, schema, manual, completion. development: static libraries, headers under
-# include/epafi, examples, the CMake package. `cpack --config build/CPackConfig.cmake` makes a Debian package of each.
+# Installation in parts. program: the program, scenes, schema, manual, completion. development: static libraries, headers under
+# include/epafi, examples, the CMake package. python (option EPAFI_PYTHON): the module. `cpack --config build/CPackConfig.cmake` makes a
+# Debian package of each.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/epafi)
 set(data_dir ${CMAKE_INSTALL_DATADIR}/epafi)
@@ -27,6 +28,9 @@ install(FILES ${PROJECT_SOURCE_DIR}/scenes/scene.schema.json DESTINATION ${data_
 # MIT, with LGPL-3 parts in binaries
 install(FILES ${PROJECT_SOURCE_DIR}/cmake/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/epafi COMPONENT program)
 install(FILES ${PROJECT_SOURCE_DIR}/cmake/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/epafi-dev COMPONENT development)
+if(EPAFI_PYTHON)
+  install(FILES ${PROJECT_SOURCE_DIR}/cmake/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/python3-epafi COMPONENT python)
+endif()
 install(FILES ${PROJECT_SOURCE_DIR}/CHANGELOG.md ${PROJECT_SOURCE_DIR}/CITATION.cff DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/epafi
   COMPONENT program)
 # the program writes its own manual and completion
@@ -53,5 +57,13 @@ if(PROJECT_IS_TOP_LEVEL)
   set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME epafi-dev)
   set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev, libfmt-dev, libhdf5-dev, libtomlplusplus-dev, zlib1g-dev, libgmp-dev, libmpfr-dev")
   set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "many-body contact engine, library\n Static libraries, headers, examples and CMake package of Epafi.")
+  if(EPAFI_PYTHON)
+    list(APPEND CPACK_COMPONENTS_ALL python)
+    set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-epafi)
+    set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+    set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+    set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy")
+    set(CPACK_COMPONENT_PYTHON_DESCRIPTION "many-body contact engine, Python module\n Runs scenes of Epafi from Python; states as NumPy arrays.")
+  endif()
   include(CPack)
 endif()
