@@ -8,7 +8,7 @@
 
 namespace epafi {
 
-/// Of two walls that move as one the body needs four points in all.
+/// Two walls that move as one are one surface.
 void Seams::join(const World& world, const Candidate& c, const Other& other) {
   const bool as_one = !world.is_movable(c.wall) && !world.is_movable(other.wall) &&
                       world.velocity[c.wall] == world.velocity[other.wall] &&

@@ -40,7 +40,7 @@ void EnergyLedger::start(const World& world, const StepReport& report, const Los
   now_ = {};
   early_ = 0.0;
   now_.elastic = report.elastic;
-  now_.losses.adhesive = now_.taken = now_.dissipated = most_taken_ = met.adhesive;
+  now_.losses.adhesive = now_.taken = now_.dissipated = settled_ = met.adhesive;
   measure(world);
   start_ = now_.stored() + met.adhesive;
   largest_inner_ = now_.kinetic + now_.elastic;
@@ -51,9 +51,9 @@ void EnergyLedger::add(const StepReport& report, double fall) {
   fall_ = report.has_solver ? fall : 0.0;
   now_.elastic = report.elastic;
   now_.taken += report.dissipated;
-  most_taken_ = std::max(most_taken_, now_.taken);
-  early_ = std::max(early_, report.losses.viscous);
-  now_.dissipated = std::max(now_.taken, most_taken_ - early_);
+  early_ = std::max(2.0 * report.losses.viscous, 0.5 * early_);
+  settled_ = std::max(settled_, now_.taken - early_);
+  now_.dissipated = std::max(now_.taken, settled_);
   now_.gained = std::max(now_.gained, now_.dissipated - now_.taken);
   now_.losses += report.losses;
   now_.work += report.work;
@@ -108,7 +108,7 @@ double EnergyLedger::relative(double error) const {
 void EnergyLedger::visit(StateVisitor& v) {
   v.value("energy/now", now_);
   v.value("energy/start", start_);
-  v.value("energy/most_taken", most_taken_);
+  v.value("energy/settled", settled_);
   v.value("energy/early", early_);
   v.value("energy/largest_inner", largest_inner_);
   v.value("energy/mass", mass_);

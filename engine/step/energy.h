@@ -3,8 +3,8 @@
 /// spread of the potential energy. Potential: gravity and external forces, not their parts that follow time. What
 /// position correction puts in is part of the error and shown by itself. Where contacts put in more than they took
 /// since they had taken most, the difference is `gained`, which no term balances, so that it stays in the error. Of
-/// dashpots a step books what their forces do by the velocity of its middle, and the rest when the next step knows it:
-/// what falls by less than a step has booked of them is no gain. Sums over bodies depend on no order.
+/// dashpots a step books what their forces do by the velocity of its middle, and the rest when the next steps know it:
+/// what they take back of the last steps' dashpots is no gain. Sums over bodies depend on no order.
 #pragma once
 #include "engine/state/state_visitor.h"
 #include "engine/state/world.h"
@@ -65,8 +65,8 @@ class EnergyLedger {
   double relative(double error) const;
   Energy now_;
   double start_ = 0;          ///< E(0) [J]
-  double most_taken_ = 0;     ///< [J]
-  double early_ = 0;          ///< most that a step has booked of dashpots [J]
+  double settled_ = 0;        ///< most that contacts had taken but for what is early [J]
+  double early_ = 0;          ///< of dashpots, that the next steps may take back: twice a step's, halved by each [J]
   double largest_inner_ = 0;  ///< max of kinetic + elastic [J]
   double lowest_potential_ = 0, highest_potential_ = 0;
   double mass_ = 0;  ///< of the free bodies when the energies were last measured [kg]; with impulses only
