@@ -69,7 +69,7 @@ int main() {
   materials.pairs[0].parameters.set("stiffness", k);
   Pipeline stages{std::make_unique<VelocityVerlet>(), std::make_unique<TheOnePair>(),
                   std::make_unique<BatchNarrowPhase>(shapes, 0.0, false, false),
-                  std::make_unique<SmoothContact<Cubic, NoFriction, NoRolling>>(materials)};
+                  std::make_unique<SmoothContact>(smooth_law<Cubic, NoFriction, NoRolling>(materials))};
   Workspace work;
   double deepest = 0.0, highest = 0.0;
   for (int i = 0; i < 12000; ++i) {

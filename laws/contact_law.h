@@ -91,12 +91,11 @@ concept NormalLaw = LawPart<L> &&
   };  ///< state before, state now
 };
 
-/// What its dashpot does to the balance of energy (laws/smooth/damper.h).
-template <class Law, class Real>
-EPAFI_LANES Real viscous_loss(const KinematicsOf<Real>& at, const ResponseOf<Real>& r) {
+/// What the dashpot of a law, which remembers or not, does to the balance of energy (laws/smooth/damper.h).
+template <class Real>
+EPAFI_LANES Real viscous_loss(const KinematicsOf<Real>& at, const ResponseOf<Real>& r, bool remembers) {
   DampedContact<Real> now{r.elastic_force + r.adhesion, r.stiffness, r.dashpot, {r.share_before, Real{} + 1.0}};
-  if constexpr (!RemembersNormal<Law>)
-    now.before = dashpot_before<Real>(at.overlap, at.step.dt * at.middle_velocity, r.growth);
+  if (!remembers) now.before = dashpot_before<Real>(at.overlap, at.step.dt * at.middle_velocity, r.growth);
   return dashpot_power<Real>(at.step, r.force - r.elastic_force, at.approach_velocity, at.middle_velocity, now);
 }
 

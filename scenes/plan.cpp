@@ -8,7 +8,7 @@
 
 #include "detection/broad/all_broad_phases.h"
 #include "detection/narrow/pairs/pair_table.h"
-#include "laws/smooth/passes/choose_passes.h"
+#include "laws/smooth/smooth_law.h"
 #include "scenes/contact_setup.h"
 #include "scenes/start_run.h"
 

@@ -68,6 +68,14 @@ class StateVisitor {
     column(name, values);
     whose_ = RowsOf::nobody;
   }
+  /// The same with records of so many numbers as rows.
+  void records(RowsOf whose, std::string_view name, std::size_t numbers, std::vector<double>& values) {
+    const std::size_t row = numbers * sizeof(double);
+    whose_ = whose;
+    values.resize(bytes_of(name, row, values.size() * sizeof(double)) / sizeof(double));
+    exchange(name, row, reinterpret_cast<std::byte*>(values.data()), values.size() * sizeof(double));
+    whose_ = RowsOf::nobody;
+  }
   /// A number that is summed over all processes, or a bool that is true where it is in one of them.
   template <class T>
   void share(std::string_view name, T& v) {

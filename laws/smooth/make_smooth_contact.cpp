@@ -2,14 +2,9 @@
 
 #include <algorithm>
 
-#include "laws/smooth/choose_law.h"
+#include "laws/smooth/smooth_contact.h"
 
 namespace epafi {
-
-/// Compiled in laws/smooth/loops, one file per N, whose header is heavy.
-template <NormalLaw N>
-std::unique_ptr<ContactModel> make_loop(  // NOLINT(readability-redundant-declaration): a joined unit sees both
-    const MaterialTable& table, const std::vector<typename N::Parameters>& normal, const SmoothParts& parts);
 
 namespace {
 
@@ -204,14 +199,7 @@ std::unique_ptr<ContactModel> make_smooth_contact(const SmoothSetup& setup) {
   std::vector<Problem> problems = check_smooth(setup);
   std::erase_if(problems, [](const Problem& p) { return p.level != Problem::Level::error; });
   if (!problems.empty()) throw SceneError(std::move(problems));
-  const SmoothParts parts = smooth_parts(setup);
-  return with_law(NormalLaws{}, parts.normal, [&](auto n) {
-    using N = typename decltype(n)::type;
-    std::vector<typename N::Parameters> normal(setup.materials.pairs.size());
-    for (std::size_t i = 0; i < normal.size(); ++i)
-      if (setup.materials.pairs[i].occurs) normal[i] = N::parameters(setup.materials.pairs[i]);
-    return make_loop<Loop<N>>(setup.materials, normal, parts);
-  });
+  return std::make_unique<SmoothContact>(smooth_law(setup));
 }
 
 double smooth_reach(const SmoothSetup& setup, double largest_radius) {

@@ -4,8 +4,7 @@
 
 #include "engine/lanes/targets.h"
 #include "laws/lane_choice.h"
-#include "laws/smooth/choose_law.h"
-#include "laws/smooth/passes/choose_passes.h"
+#include "laws/smooth/fused/tile_passes.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;
@@ -13,7 +12,7 @@ using namespace epafi;
 namespace {
 
 /// Four pairs of materials with the numbers of `law`.
-TileLaws tile_laws_of(const std::string& law, bool locate) {
+SmoothLaw law_with(const std::string& law, bool locate) {
   SmoothSetup setup;
   setup.law = law;
   setup.locate = locate;
@@ -32,12 +31,12 @@ TileLaws tile_laws_of(const std::string& law, bool locate) {
     pair.parameters.set("relaxation_time", 1e-5);
     pair.parameters.set("work_of_adhesion", 2.0 * static_cast<double>(i));
   }
-  return tile_laws(setup);
+  return smooth_law(setup);
 }
 
 /// A full tile of random contacts, of which some are held beyond touch, against one at a time.
 template <int n>
-void check_tile(const TileLaws& laws, bool one_row) {
+void check_tile(const SmoothLaw& law, bool one_row) {
   auto tile = std::make_unique<SphereTile<n>>();
   SphereTile<n>& t = *tile;
   t.count = t.most;
@@ -52,30 +51,30 @@ void check_tile(const TileLaws& laws, bool one_row) {
   for (std::size_t k = 0; k < t.most; ++k) {
     auto& c = t.group[k / n];
     const bool held = k % 2 == 1;
-    t.overlap[k] = laws.holds_on && held ? between(-2e-5, 5e-4) : between(1e-7, 5e-4);
+    t.overlap[k] = law.holds && held ? between(-2e-5, 5e-4) : between(1e-7, 5e-4);
     t.row[k] = static_cast<std::uint32_t>(k % 4);
     c.approach[k % n] = between(-3, 3);
     c.inverse_mass[k % n] = between(1e2, 1e4);
     c.radius[k % n] = between(1e-3, 5e-3);
     c.middle[k % n] = between(-3, 3);
-    before[k] = !held ? 0.0 : laws.holds_on ? between(0.02, 0.04) : between(1e-4, 6e-4);
+    before[k] = !held ? 0.0 : law.holds ? between(0.02, 0.04) : between(1e-4, 6e-4);
     contacts[k] = {t.overlap[k], c.approach[k % n], 1.0 / c.inverse_mass[k % n], c.radius[k % n]};
     contacts[k].middle_velocity = c.middle[k % n];
     contacts[k].step = {dt, lag * c.inverse_mass[k % n]};
   }
-  const PairRow* rows = laws.rows.data();
-  laws.normal().tile({{tile.get(), rows, one_row, dt}, before, now, lag, true, laws.locates});
+  const PairRow* rows = law.rows.data();
+  law.normal().tile({{tile.get(), rows, one_row, dt}, before, now, lag, true, law.locates});
   for (std::size_t k = 0; k < t.most; ++k) {
     const auto& c = t.group[k / n];
-    double numbers[PairRow::most], next = 0.0;
-    for (std::size_t i = 0; i < PairRow::most; ++i) numbers[i] = rows[one_row ? 0 : t.row[k]].normal[i];
-    const NormalResponse r = laws.normal().one(numbers, contacts[k], before[k], next, laws.locates ? &dt : nullptr);
+    const double* numbers = law.numbers.data() + (one_row ? 0 : t.row[k]) * law.per_pair;
+    double next = 0.0;
+    const NormalResponse r = law.normal().one(numbers, contacts[k], &before[k], &next, law.locates ? &dt : nullptr);
     INFO("contact " << k << " on " << n << " lanes, overlap " << contacts[k].overlap);
     CHECK(c.force[k % n] == r.force);
     CHECK(c.normal_stiffness[k % n] == r.stiffness);
     CHECK(c.grip[k % n] == std::max(0.0, r.force + r.adhesion));
     CHECK(c.elastic[k % n] == r.energy);
-    if (!laws.needs.normal) continue;
+    if (!law.needs.normal) continue;
     CHECK(now[k] == next);
     CHECK(c.lost[k % n] == r.lost);
   }
@@ -85,17 +84,17 @@ void check_tile(const TileLaws& laws, bool one_row) {
 
 TEST_CASE("a normal law answers a tile with the bits of one contact at a time", "[laws][tile]") {
   const bool locate = GENERATE(false, true);
-  for (const Entry& law : law_entries(NormalLaws{})) {
-    if (law.name == OverlapVolume::name) continue;  // spheres have no area
-    INFO(law.name << (locate ? ", located" : ""));
-    const TileLaws laws = tile_laws_of(law.name, locate);
+  for (const Entry& entry : law_entries(NormalLaws{})) {
+    if (entry.name == OverlapVolume::name) continue;  // spheres have no area
+    INFO(entry.name << (locate ? ", located" : ""));
+    const SmoothLaw law = law_with(entry.name, locate);
     for (const bool one_row : {true, false}) {
       limit_target(Target::baseline);
-      check_tile<2>(laws, one_row);
+      check_tile<2>(law, one_row);
       limit_target(Target::avx2);
-      if (target() == Target::avx2) check_tile<4>(laws, one_row);
+      if (target() == Target::avx2) check_tile<4>(law, one_row);
       limit_target(Target::avx512);
-      if (target() == Target::avx512) check_tile<8>(laws, one_row);
+      if (target() == Target::avx512) check_tile<8>(law, one_row);
     }
   }
 }

@@ -131,7 +131,7 @@ TEST_CASE("a shape and a law from outside oscillate with the amplitude of their 
   World world = corner_on_floor(true, h);
   auto narrow = std::make_unique<OctahedronOnBox>();
   Pipeline stages{std::make_unique<VelocityVerlet>(), std::make_unique<OnePair>(), nullptr,
-                  std::make_unique<SmoothContact<Cubic, NoFriction, NoRolling>>(one_material(k))};
+                  std::make_unique<SmoothContact>(smooth_law<Cubic, NoFriction, NoRolling>(one_material(k)))};
   stages.narrow_phase = std::move(narrow);
   Workspace work;
   double deepest = 0.0;

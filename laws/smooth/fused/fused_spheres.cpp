@@ -12,7 +12,7 @@
 #include "laws/smooth/fused/block_task.h"
 #include "laws/smooth/fused/body_pass.h"
 #include "laws/smooth/fused/sphere_contacts.h"
-#include "laws/smooth/passes/choose_passes.h"
+#include "laws/smooth/smooth_law.h"
 
 namespace epafi {
 
@@ -22,10 +22,10 @@ namespace {
 class FusedModel final : public FusedSpheres, public SharedModel {
  public:
   FusedModel(const SmoothSetup& setup, double reach, std::size_t block_size)
-      : laws_(tile_laws(setup)),
-        reach_(laws_.holds_on ? reach : 0.0),
+      : law_(smooth_law(setup)),
+        reach_(law_.holds ? reach : 0.0),
         generic_(make_smooth_contact(setup)),
-        blocks_(laws_.needs, block_size) {}
+        blocks_(law_.needs, block_size) {}
 
   const char* name() const override { return "fused spheres"; }
   std::size_t block_size() const override { return blocks_.block_size(); }
@@ -187,7 +187,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   static constexpr std::size_t most_accumulators = 64;  ///< of a thread; of two, 15 were in use in a bed of 100 000
 
   /// Later than the velocities of the world by this are those the dampers see [s].
-  double lag(const StepClock& clock) const { return laws_.damped ? clock.velocity_lag * clock.dt : 0.0; }
+  double lag(const StepClock& clock) const { return law_.damped ? clock.velocity_lag * clock.dt : 0.0; }
 
   BodyPass pass(World& world, const StepClock& clock, std::size_t begin, std::size_t end, std::size_t accumulator,
                 Extent& extent) {
@@ -222,12 +222,12 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   /// Whether one material is that of all spheres.
   void find_materials(const World& world) {
     const std::vector<BodyBall>& balls = blocks_.balls().all();
-    if (first_ > 0 && own_ < laws_.materials) {  // it was that of those before
+    if (first_ > 0 && own_ < law_.materials) {  // it was that of those before
       bool same = true;
       for (std::size_t k = 0; k < radius_.size(); ++k)
         same = same && !(radius_[k] > 0.0 && world.material[first_ + k] != own_);
       if (same) return;
-      own_ = laws_.materials;
+      own_ = law_.materials;
     }
     if (first_ > 0) {
       material_.clear();
@@ -242,7 +242,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
         block_max<char>(radius_.size(), 0,
                         [&](std::size_t s) { return static_cast<char>(radius_[s] > 0.0 && differs(s)); }) != 0 ||
         std::ranges::any_of(balls, [&](const BodyBall& ball) { return differs(ball.body); });
-    if (several) own_ = laws_.materials;
+    if (several) own_ = law_.materials;
     material_.clear();
     if (several && !balls.empty()) blocks_.balls().by_place(world.material, material_);
   }
@@ -263,14 +263,14 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   /// What every block reads and writes; its own sums and moments come on top.
   SphereArrays arrays_of(const World& world, const StepClock& clock, bool tells_energy) {
     SphereArrays arrays{
-        blocks_.planes().data(), all_states(world), 0, clock.dt, lag(clock), laws_.damped, tells_energy};
+        blocks_.planes().data(), all_states(world), 0, clock.dt, lag(clock), law_.damped, tells_energy};
     if (!world.owner.empty()) blocks_.balls().by_place(world.owner, owner_);
     arrays.owner = world.owner.empty() ? nullptr : owner_.data();
     arrays.passes = &passes_;
-    arrays.rows = laws_.rows.data();
+    arrays.rows = law_.rows.data();
     arrays.reach = reach_;
-    arrays.material = own_ < laws_.materials ? nullptr : material_.empty() ? world.material.data() : material_.data();
-    arrays.materials = laws_.materials;
+    arrays.material = own_ < law_.materials ? nullptr : material_.empty() ? world.material.data() : material_.data();
+    arrays.materials = law_.materials;
     arrays.own = own_;
     arrays.late_spins = blocks_.late_spins();
     arrays.offsets = blocks_.balls().offsets();
@@ -287,10 +287,10 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   /// `onward` the first half of the next one too: nobody reads the bodies of a block any more when its turn has come.
   void run_blocks(World& world, const StepClock& clock, bool onward) {
     auto& all = blocks_.blocks();
-    passes_ = laws_.passes();
+    passes_ = law_.passes();
     dt_ = clock.dt;
     lag_ = lag(clock);
-    const auto loop = laws_.needs.remembers() ? find_loop<true>() : find_loop<false>();
+    const auto loop = law_.needs.remembers() ? find_loop<true>() : find_loop<false>();
     const SphereArrays arrays = arrays_of(world, clock, !onward);  // onward: nobody looks at this step
     const auto threads = static_cast<std::size_t>(thread_count());
     const std::size_t accumulators = threads == 1 ? 1 : std::min(most_accumulators, all.size() / threads + 1);
@@ -359,7 +359,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       report.elastic += block.elastic;
       viscous_power += block.viscous;
       if (dt > 0.0) lost.frictional += block.slipped;
-      if (laws_.holds_on)
+      if (law_.holds)
         lost.adhesive += block.lost;  // bodies that touch at the start meet there
       else if (dt > 0.0)
         lost.plastic += block.lost;
@@ -395,10 +395,10 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     SphereLoad load{-normal_force(world, c) * normal, Vec3::Zero()};
     const SphereSprings& springs = blocks_.blocks()[c.block].springs;
     const auto xyz = [](const Lanes& x) { return Vec3(x[0], x[1], x[2]); };
-    if (laws_.needs.rolling) {
+    if (law_.needs.rolling) {
       load.force += xyz(springs.loads(c.rank).friction);
       load.moment = xyz(springs.loads(c.rank).moment);
-    } else if (laws_.needs.friction)
+    } else if (law_.needs.friction)
       load.force += xyz(springs.friction(c.rank).load);
     return load;
   }
@@ -449,14 +449,14 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     }
     at.step = {dt_, lag_ / at.effective_mass};
     const Slot first = blocks_.balls().body_of(slot_a), other = blocks_.balls().body_of(places.b.slot());
-    const PairRow& row = laws_.rows[laws_.materials * world.material[first] + world.material[other]];
-    double numbers[PairRow::most], now = 0.0;
-    for (std::size_t k = 0; k < PairRow::most; ++k) numbers[k] = row.normal[k];
-    const double before = laws_.needs.normal ? block.springs.normal(c.rank) : 0.0;
-    return laws_.normal().one(numbers, at, before, now, laws_.locates ? &dt_ : nullptr).force;
+    const std::size_t pair = law_.materials * world.material[first] + world.material[other];
+    const double before = law_.needs.normal ? block.springs.normal(c.rank) : 0.0;
+    double now = 0.0;
+    const double* numbers = law_.numbers.data() + pair * law_.per_pair;
+    return law_.normal().one(numbers, at, &before, &now, law_.locates ? &dt_ : nullptr).force;
   }
 
-  TileLaws laws_;
+  SmoothLaw law_;
   Passes passes_;  ///< of the last call
   double reach_, dt_ = 0.0, lag_ = 0.0;
   std::uint32_t own_ = 0;                ///< material of all spheres; as many as there are: several
@@ -491,6 +491,6 @@ std::unique_ptr<FusedSpheres> make_fused_spheres(const SmoothSetup& setup, doubl
   return std::make_unique<FusedModel>(setup, reach, block_size);
 }
 
-SphereNeeds sphere_needs(const SmoothSetup& setup) { return tile_laws(setup).needs; }
+SphereNeeds sphere_needs(const SmoothSetup& setup) { return smooth_law(setup).needs; }
 
 }  // namespace epafi

@@ -6,14 +6,9 @@
 #pragma once
 #include "laws/smooth/fused/sphere_tile.h"
 #include "laws/smooth/rolling.h"
+#include "laws/smooth/smooth_law.h"
 
 namespace epafi {
-
-/// Parameters of a pair of materials: the numbers of the parts' Parameters; of rolling: friction, damping.
-struct alignas(32) PairRow {  // an aligned load of a part; GCC takes 16 for a vector type of a template
-  static constexpr std::size_t most = 4;
-  Lanes normal{}, tangential{}, rolling{};
-};
 
 /// Every pass.
 struct PassCall {

@@ -1,6 +1,6 @@
 #include "laws/smooth/friction.h"
 #include "engine/lanes/targets.h"
-#include "laws/smooth/passes/choose_passes.h"
+#include "laws/smooth/fused/tile_passes.h"
 
 namespace epafi {
 

@@ -2,27 +2,9 @@
 /// it.
 #pragma once
 #include "engine/lanes/targets.h"
-#include "laws/smooth/choose_law.h"
-#include "laws/smooth/contact_edge.h"
-#include "laws/smooth/passes/choose_passes.h"
+#include "laws/smooth/fused/tile_passes.h"
 
 namespace epafi {
-
-/// Of one contact; numbers: of its row.
-template <class Law>
-NormalResponse respond_to(const double* numbers, const ContactKinematics& c, double before, double& now,
-                          const double* dt_if_located) {
-  typename Law::Parameters p;
-  static_assert(sizeof p <= sizeof(Lanes));
-  std::memcpy(&p, numbers, sizeof p);
-  NormalState<Law> old, next;
-  if constexpr (RemembersNormal<Law>) std::memcpy(static_cast<void*>(&old), &before, sizeof old);
-  NormalResponse out = respond<Law>(p, c, old, next);
-  if constexpr (RemembersNormal<Law>) std::memcpy(&now, &next, sizeof next);
-  if constexpr (PowerParts<Law>)
-    if (dt_if_located != nullptr) out = weigh_edge<Law>(p, c, *dt_if_located, out);
-  return out;
-}
 
 template <class Law>
 struct NormalPass {
@@ -53,7 +35,7 @@ struct NormalPass {
       c.normal_stiffness = r.stiffness;
       c.grip = at_least<n>(r.force + r.adhesion, 0.0);
       if (call.lag > 0.0)
-        c.viscous = viscous_loss<Law>(at, r);
+        c.viscous = viscous_loss(at, r, RemembersNormal<Law>);
       else
         c.viscous = (r.force - r.elastic_force) * at.approach_velocity;
       if (call.tells_energy) c.elastic = r.energy;
@@ -85,8 +67,9 @@ struct NormalPass {
       ContactKinematics c{at.overlap[l], at.approach_velocity[l], at.effective_mass[l], at.effective_radius[l]};
       c.middle_velocity = at.middle_velocity[l];
       c.step = {at.step.dt, at.step.half_mobility[l]};
+      const double before = old[l];
       double next = 0.0;
-      const NormalResponse r = respond_to<Law>(numbers, c, old[l], next, call.locates ? &call.dt : nullptr);
+      const NormalResponse r = respond_to<Law>(numbers, c, &before, &next, call.locates ? &call.dt : nullptr);
       out.force[l] = r.force;
       out.elastic_force[l] = r.elastic_force;
       out.stiffness[l] = r.stiffness;
@@ -104,7 +87,10 @@ struct NormalPass {
 
 template <class Law>
 NormalEvaluation normal_evaluation() {
-  return {best_loop<NormalPass<Law>, NormalCall>(), respond_to<Law>};
+  if constexpr (fits_tiles<Law>)
+    return {best_loop<NormalPass<Law>, NormalCall>(), respond_to<Law>};
+  else
+    return {nullptr, respond_to<Law>};
 }
 
 }  // namespace epafi

@@ -2,7 +2,7 @@
 
 #include "engine/lanes/targets.h"
 #include "laws/smooth/friction.h"
-#include "laws/smooth/passes/choose_passes.h"
+#include "laws/smooth/fused/tile_passes.h"
 
 // Dashpots beside friction springs (laws/smooth/dashpot.h) and resistance to rolling (laws/smooth/rolling.h), behind
 // the friction springs of a tile.

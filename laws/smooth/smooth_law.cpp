@@ -1,0 +1,49 @@
+#include "laws/smooth/smooth_law.h"
+
+#include "laws/smooth/fused/tile_passes.h"
+
+namespace epafi {
+
+Passes SmoothLaw::passes() const {
+  Passes out;
+  out.normal = normal().tile;
+  out.type = rolling;
+  out.needs = needs;
+  out.locates = locates;
+  if (needs.friction) out.tangential = needs.bristles ? bristle_pass() : coulomb_pass();
+  if (needs.rolling) out.rolling = rolling_pass();
+  return out;
+}
+
+std::string without_tiles(const SmoothSetup& setup) {
+  const SmoothParts parts = smooth_parts(setup);
+  const auto left_out = [](const std::string& law) { return "no tiles of law '" + law + "'"; };
+  if (!with_law(NormalLaws{}, parts.normal, [](auto n) { return fits_tiles<typename decltype(n)::type>; }))
+    return left_out(parts.normal);
+  const bool has_pass = with_law(TangentialLaws{}, parts.tangential, [](auto t) {
+    using Law = typename decltype(t)::type;
+    return !Law::is_present || std::same_as<Loop<Law>, CoulombSpring> || std::same_as<Loop<Law>, MindlinDeresiewicz>;
+  });
+  return has_pass ? "" : left_out(parts.tangential);
+}
+
+SmoothLaw smooth_law(const SmoothSetup& setup) {
+  const SmoothParts parts = smooth_parts(setup);
+  const MaterialTable& table = setup.materials;
+  SmoothLaw law;
+  law.materials = static_cast<std::uint32_t>(table.materials);
+  law.rows.resize(table.pairs.size());
+  law.locates = parts.locate;
+  with_law(NormalLaws{}, parts.normal, [&](auto n) {
+    using Law = typename decltype(n)::type;
+    law.normal = normal_evaluation<Loop<Law>>;
+    take_normal<Law>(table, law);
+  });
+  with_law(TangentialLaws{}, parts.tangential,
+           [&](auto t) { take_tangential<typename decltype(t)::type>(table, law); });
+  with_law(RollingLaws{}, parts.rolling, [&](auto r) { take_rolling<typename decltype(r)::type>(table, law); });
+  law.damped = law.damped || law.needs.rolling || law.locates;
+  return law;
+}
+
+}  // namespace epafi
