@@ -26,28 +26,27 @@ double reach_of(const typename N::Parameters& p, double radius) {
 }
 
 /// An overlap below 0 is that of a contact that holds on beyond touch, by a law that can.
-template <NormalLaw N>
-NormalSlopes slopes_of(const typename N::Parameters& p, ContactKinematics at) {
+NormalSlopes slopes_of(const AskedLaw& law, ContactKinematics at) {
   constexpr double little = 1e-4;  // of the scale: digits enough for a slope, near enough for a power law
   const double overlap = at.overlap, size = std::abs(overlap);
-  NormalState<N> fresh{}, loaded{}, next{};
+  double fresh = 0.0, loaded = 0.0, next = 0.0;
   at.approach_velocity = 0.0;
   if (overlap < 0.0) {  // it has touched before
     at.overlap = size;
-    respond<N>(p, at, fresh, loaded);
+    law.respond(at, fresh, loaded);
     fresh = loaded;
     at.overlap = overlap;
   }
-  const NormalResponse still = respond<N>(p, at, fresh, loaded);
+  const NormalResponse still = law.respond(at, fresh, loaded);
   NormalSlopes out;
   out.of_law = still.stiffness;
   out.force = std::max(0.0, still.force);
   // an adhesive contact pulls at no overlap at all: a ten thousandth of that would be lost in the digits of its force
   const double by_force = std::abs(still.elastic_force) / std::max(still.stiffness, 1e-300);
   const double scale = overlap < 0.0 ? size : std::max(size, by_force);
-  if constexpr (RemembersNormal<N>) {
+  if (law.remembers) {
     at.overlap = overlap - scale * little;
-    const NormalResponse less = respond<N>(p, at, loaded, next);
+    const NormalResponse less = law.respond(at, loaded, next);
     out.stiffness = std::max(0.0, still.elastic_force - less.elastic_force) / (scale * little);
     at.overlap = overlap;
   } else {
@@ -55,7 +54,7 @@ NormalSlopes slopes_of(const typename N::Parameters& p, ContactKinematics at) {
   }
   // so fast that the force doubles with a dashpot of the critical kind: forces of all laws are linear in it
   at.approach_velocity = scale * std::sqrt(std::max(still.stiffness, 1e-300) / at.effective_mass);
-  const NormalResponse moving = respond<N>(p, at, loaded, next);
+  const NormalResponse moving = law.respond(at, loaded, next);
   if (at.approach_velocity > 0.0) out.dashpot = std::max(0.0, moving.force - still.force) / at.approach_velocity;
   return out;
 }
@@ -92,10 +91,10 @@ ContactLinks::ContactLinks(const SmoothSetup& setup) : materials_(setup.material
     reach_ = [pairs = parameters_of_pairs<N>(table)](std::size_t pair, double radius) {
       return reach_of<N>(pairs[pair], radius);
     };
-    normal_ = [pairs = parameters_of_pairs<N>(table)](std::size_t pair, const ContactKinematics& at) {
-      return slopes_of<N>(pairs[pair], at);
-    };
   });
+  normal_.resize(table.pairs.size());
+  for (std::size_t k = 0; k < normal_.size(); ++k)
+    if (table.pairs[k].occurs) normal_[k] = asked_law(parts.normal, table.pairs[k]);
   sideways_damping_.assign(table.pairs.size(), 0.0);
   with_law(TangentialLaws{}, parts.tangential, [&](auto t) {
     using T = typename decltype(t)::type;
@@ -117,10 +116,14 @@ ContactLinks::ContactLinks(const SmoothSetup& setup) : materials_(setup.material
   });
 }
 
+NormalSlopes ContactLinks::normal(std::uint16_t i, std::uint16_t j, const ContactKinematics& at) const {
+  return slopes_of(normal_[i * materials_ + j], at);
+}
+
 StiffLink ContactLinks::link(std::uint16_t i, std::uint16_t j, const ContactKinematics& at, double slip_mobility,
                              double rolling_mobility, double dt) const {
   const std::size_t pair = i * materials_ + j;
-  const NormalSlopes n = normal_(pair, at);
+  const NormalSlopes n = slopes_of(normal_[pair], at);
   StiffLink out;
   out.along = damped_weight(n.stiffness, n.dashpot, 1.0 / at.effective_mass, dt);
   const double sideways = sideways_(pair, n.of_law);

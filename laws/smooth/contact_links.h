@@ -7,7 +7,7 @@
 
 #include "engine/state/contacts.h"
 #include "engine/step/stiffest_mode.h"
-#include "laws/contact_law.h"
+#include "laws/smooth/asked_law.h"
 #include "laws/smooth/make_smooth_contact.h"
 
 namespace epafi {
@@ -32,13 +32,11 @@ class ContactLinks {
   /// r^2/I of both [1/kg], and of rolling [1/(kg m^2)], 0 where it does not count.
   StiffLink link(std::uint16_t i, std::uint16_t j, const ContactKinematics& at, double slip_mobility,
                  double rolling_mobility, double dt) const;
-  NormalSlopes normal(std::uint16_t i, std::uint16_t j, const ContactKinematics& at) const {
-    return normal_(i * materials_ + j, at);
-  }
+  NormalSlopes normal(std::uint16_t i, std::uint16_t j, const ContactKinematics& at) const;
 
  private:
   std::size_t materials_;
-  std::function<NormalSlopes(std::size_t pair, const ContactKinematics& at)> normal_;
+  std::vector<AskedLaw> normal_;                                        ///< by pair
   std::function<double(std::size_t pair, double radius)> reach_;        ///< beyond touch [m]
   std::function<double(std::size_t pair, double stiffness)> sideways_;  ///< k_t of k_n [N/m]
   std::vector<double> sideways_damping_;                                ///< by pair, of critical

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "laws/smooth/asked_law.h"
 #include "laws/smooth/choose_law.h"
 
 namespace epafi {
@@ -29,13 +30,11 @@ ContactKinematics kinematics(const ExpectedContact& c, double overlap, double ve
 double moved_mass(const ExpectedContact& c) { return c.moved_mass > 0.0 ? c.moved_mass : c.effective_mass; }
 
 /// delta'' = -N/m from first touch until the force has ended.
-template <NormalLaw N>
-ImpactEstimate integrate_impact(const typename N::Parameters& p, const ExpectedContact& c, double dt) {
+ImpactEstimate integrate_impact(const AskedLaw& law, const ExpectedContact& c, double dt) {
   ImpactEstimate out;
-  NormalState<N> state{};
+  double state = 0.0, next = 0.0;
   const auto force = [&](double overlap, double velocity) {
-    NormalState<N> next = state;
-    return respond<N>(p, kinematics(c, std::max(overlap, 0.0), velocity), state, next).force;
+    return law.respond(kinematics(c, std::max(overlap, 0.0), velocity), state, next).force;
   };
   const double mass = moved_mass(c);
   const auto acceleration = [&](double overlap, double velocity) { return -force(overlap, velocity) / mass; };
@@ -47,8 +46,7 @@ ImpactEstimate integrate_impact(const typename N::Parameters& p, const ExpectedC
     const double a4 = acceleration(x + dt * v3, v4);
     x += dt / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4);
     v += dt / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
-    NormalState<N> next = state;
-    const double now = respond<N>(p, kinematics(c, std::max(x, 0.0), v), state, next).force;
+    const double now = force(x, v);
     state = next;
     out.contact_time += dt;
     out.largest_overlap = std::max(out.largest_overlap, x);
@@ -61,12 +59,10 @@ ImpactEstimate integrate_impact(const typename N::Parameters& p, const ExpectedC
 
 /// Contact time without damping, the scale of the integration [s]: pi delta_max / v, exact for a linear spring and 7 %
 /// more than Hertz's, with delta_max where elastic energy and plastic loss have taken up the motion.
-template <NormalLaw N>
-double elastic_contact_time(const typename N::Parameters& p, const ExpectedContact& c) {
+double elastic_contact_time(const AskedLaw& law, const ExpectedContact& c) {
   const double motion = 0.5 * moved_mass(c) * c.speed * c.speed;
   const auto taken = [&](double overlap) {
-    NormalState<N> fresh{}, next{};
-    const NormalResponse r = respond<N>(p, kinematics(c, overlap, 0.0), fresh, next);
+    const NormalResponse r = law.first(kinematics(c, overlap, 0.0));
     return r.energy + r.lost;
   };
   double low = 0.0, high = 1e-12;
@@ -82,47 +78,27 @@ double elastic_contact_time(const typename N::Parameters& p, const ExpectedConta
 struct Slopes {
   double stiffness, dashpot;
 };
-template <NormalLaw N>
-Slopes slopes_at(const typename N::Parameters& p, const ExpectedContact& c, double overlap) {
-  NormalState<N> fresh{}, next{};
-  const NormalResponse still = respond<N>(p, kinematics(c, overlap, 0.0), fresh, next);
-  const NormalResponse moving = respond<N>(p, kinematics(c, overlap, c.speed), fresh, next);
+Slopes slopes_at(const AskedLaw& law, const ExpectedContact& c, double overlap) {
+  const NormalResponse still = law.first(kinematics(c, overlap, 0.0));
+  const NormalResponse moving = law.first(kinematics(c, overlap, c.speed));
   return {still.stiffness, (moving.force - still.force) / c.speed};
 }
 
 /// The normal dashpot that limits the step as that of the friction spring does on a solid sphere, which gives way
 /// sideways with 7/2 of its mobility [N s/m].
-template <class P>
-double tangential_dashpot(const P& p, double stiffness, double effective_mass) {
+template <TangentialLaw T>
+double tangential_dashpot(const MaterialPair& pair, double normal_stiffness, double effective_mass) {
+  [[maybe_unused]] const auto p = T::parameters(pair);
   if constexpr (requires { p.damping; })
-    return 3.5 * 2.0 * p.damping * std::sqrt(stiffness * effective_mass / 3.5);
+    return 3.5 * 2.0 * p.damping * std::sqrt(T::stiffness(p, normal_stiffness) * effective_mass / 3.5);
   else
     return 0.0;
 }
-
-template <NormalLaw N, TangentialLaw T>
-StepLimit limit_of(const MaterialPair& pair, const ExpectedContact& given) {
-  ExpectedContact c = given;
-  if (!N::is_hertzian && !(c.speed > 0.0)) c.speed = 1.0;  // the contact time of the linear law does not depend on it
-  const auto p = N::parameters(pair);
-  StepLimit out;
-  out.impact = integrate_impact<N>(p, c, elastic_contact_time<N>(p, c) / 4000);
-  const Slopes slope = slopes_at<N>(p, c, out.impact.largest_overlap);
-  const auto friction = T::parameters(pair);
-  const double sideways = tangential_dashpot(friction, T::stiffness(friction, slope.stiffness), c.effective_mass);
-  // An overlap seen first at theta h, h = v dt, costs k h^2/12 on the mean beyond what the contact stores, and the last
-  // one gives k h^2/12 back, of a lower speed: over many impacts (pi dt/t_c)^2/6 of all that is lost, 1.6 %.
-  const double by_time = c.part * out.impact.contact_time;
-  // an explicit damper of c overshoots beyond m*/c: half of it; e = 0.01 (c = 9.4 sqrt(m* k)) then takes 60 steps per
-  // contact
-  const double dashpot = std::max(slope.dashpot, sideways);
-  const double by_damping = dashpot > 0.0 ? 0.5 * moved_mass(c) / dashpot : by_time;
-  out.auto_step = std::min(by_time, by_damping);
-  const std::string who = "contact " + pair.a.name + "-" + pair.b.name;
-  out.reason = number(c.part, "of the contact time ") + number(out.impact.contact_time, "s of ") + who;
-  if (out.auto_step < by_time) out.reason = "half of m*/c of the damper of " + who;
-  if (N::is_hertzian) out.reason += " at " + number(c.speed, "m/s");
-  return out;
+double tangential_dashpot(const std::string& tangential, const MaterialPair& pair, double normal_stiffness,
+                          double effective_mass) {
+  return with_law(TangentialLaws{}, tangential, [&](auto t) {
+    return tangential_dashpot<typename decltype(t)::type>(pair, normal_stiffness, effective_mass);
+  });
 }
 
 }  // namespace
@@ -139,11 +115,28 @@ ImpactEstimate estimate_impact(const SmoothSetup& setup, const MaterialPair& pai
   return critical_step(setup, pair, contact).impact;
 }
 
-StepLimit critical_step(const SmoothSetup& setup, const MaterialPair& pair, const ExpectedContact& contact) {
+StepLimit critical_step(const SmoothSetup& setup, const MaterialPair& pair, const ExpectedContact& given) {
   const SmoothParts parts = smooth_parts(setup);
-  return std::visit(
-      [&](auto n, auto t) { return limit_of<typename decltype(n)::type, typename decltype(t)::type>(pair, contact); },
-      *find_law(NormalLaws{}, parts.normal), *find_law(TangentialLaws{}, parts.tangential));
+  const AskedLaw law = asked_law(parts.normal, pair);
+  ExpectedContact c = given;
+  if (!law.is_hertzian && !(c.speed > 0.0)) c.speed = 1.0;  // the contact time of the linear law does not depend on it
+  StepLimit out;
+  out.impact = integrate_impact(law, c, elastic_contact_time(law, c) / 4000);
+  const Slopes slope = slopes_at(law, c, out.impact.largest_overlap);
+  const double sideways = tangential_dashpot(parts.tangential, pair, slope.stiffness, c.effective_mass);
+  // An overlap seen first at theta h, h = v dt, costs k h^2/12 on the mean beyond what the contact stores, and the last
+  // one gives k h^2/12 back, of a lower speed: over many impacts (pi dt/t_c)^2/6 of all that is lost, 1.6 %.
+  const double by_time = c.part * out.impact.contact_time;
+  // an explicit damper of c overshoots beyond m*/c: half of it; e = 0.01 (c = 9.4 sqrt(m* k)) then takes 60 steps per
+  // contact
+  const double dashpot = std::max(slope.dashpot, sideways);
+  const double by_damping = dashpot > 0.0 ? 0.5 * moved_mass(c) / dashpot : by_time;
+  out.auto_step = std::min(by_time, by_damping);
+  const std::string who = "contact " + pair.a.name + "-" + pair.b.name;
+  out.reason = number(c.part, "of the contact time ") + number(out.impact.contact_time, "s of ") + who;
+  if (out.auto_step < by_time) out.reason = "half of m*/c of the damper of " + who;
+  if (law.is_hertzian) out.reason += " at " + number(c.speed, "m/s");
+  return out;
 }
 
 }  // namespace epafi

@@ -45,22 +45,17 @@ struct BlockTask {
  private:
   template <int n>
   EPAFI_LANES void sweep(const SphereBlocks::Run& run, SphereTotals<n>& total, SphereSprings::Places& places) const {
-    const bool periodic = !block.images.empty();
     if (run.plane >= 0)  // a plane has no image
-      sweep<n, true, false, false>(run, total, places);
-    else if (periodic && run.across)
-      sweep<n, false, true, true>(run, total, places);
-    else if (periodic)
-      sweep<n, false, false, true>(run, total, places);
-    else if (run.across)
-      sweep<n, false, true, false>(run, total, places);
+      sweep<n, true, false>(run, total, places);
+    else if (!block.images.empty())
+      sweep<n, false, true>(run, total, places);
     else
-      sweep<n, false, false, false>(run, total, places);
+      sweep<n, false, false>(run, total, places);
   }
   /// Each kind of run is a function of its own.
-  template <int n, bool wall, bool across, bool periodic>
+  template <int n, bool wall, bool periodic>
   EPAFI_LANES void sweep(const SphereBlocks::Run& run, SphereTotals<n>& total, SphereSprings::Places& places) const {
-    run_apart<n>(SphereSweep<n, remembers, wall, across, periodic>{block, run, arrays, total, places});
+    run_apart<n>(SphereSweep<n, remembers, wall, periodic>{block, run, arrays, total, places});
   }
 };
 

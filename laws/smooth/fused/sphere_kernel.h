@@ -146,8 +146,8 @@ EPAFI_LANES void write_sum_rows(const VectorsOf<typename LanesOf<n>::Real>& forc
   }
 }
 
-/// Adds to sums; of B to the records of the tile where it lies in another block.
-template <int n, bool remembers, bool wall, bool across, bool periodic>
+/// Adds to sums; of B to the records of the tile where it lies in another block: where there are any.
+template <int n, bool remembers, bool wall, bool periodic>
 EPAFI_LANES void add_forces(SphereTile<n>& t, std::size_t g, const SphereArrays& with, SphereRecord* records,
                             SpherePlace* record_places) {
   using V = typename LanesOf<n>::Real;
@@ -168,16 +168,20 @@ EPAFI_LANES void add_forces(SphereTile<n>& t, std::size_t g, const SphereArrays&
   const SpherePlaces* bodies = t.bodies + g * n;
   for (int l = 0; l < n; ++l) {  // lane by lane, A and B: the order of a body's sum is not that of groups
     rows[l].add_to(with.sum(bodies[l].a));
-    if constexpr (!wall && !across) rows[l].turned().add_to(with.sum(bodies[l].b));
-    if constexpr (across) {
-      rows[l].turned().write(records[g * n + static_cast<std::size_t>(l)]);
-      record_places[g * n + static_cast<std::size_t>(l)] = bodies[l].b;
+    if constexpr (!wall) {
+      if (records == nullptr) {
+        rows[l].turned().add_to(with.sum(bodies[l].b));
+      } else {
+        rows[l].turned().write(records[g * n + static_cast<std::size_t>(l)]);
+        record_places[g * n + static_cast<std::size_t>(l)] = bodies[l].b;
+      }
     }
   }
 }
 
-/// A run on its way through the loops.
-template <int n, bool remembers, bool wall, bool across, bool periodic>
+/// A run on its way through the loops. Whether it goes across to other blocks is asked once for eight pairs: a loop of
+/// its own for that took a third of the time to compile and none of the run.
+template <int n, bool remembers, bool wall, bool periodic>
 struct SphereSweep {
   using Places = SphereSprings::Places;
   static constexpr std::uint32_t eight = SphereBlocks::pairs_per_byte;
@@ -198,6 +202,7 @@ struct SphereSweep {
     const SphereArrays with = arrays;
     const SphereLook<n, wall, periodic> all(block, range, arrays);
     std::uint8_t* const touched = block.touched.data();
+    const bool across = !wall && range.across;
     Places at = places;
     [[maybe_unused]] const SphereSpring* springs = block.springs.friction();  // to ask for them: they may move
     [[maybe_unused]] SphereBlocks::Target* target = block.targets.data();
@@ -215,7 +220,7 @@ struct SphereSweep {
         at.read += bit_places.count[before];
         ask_for(springs + at.read);
       }
-      if constexpr (across)
+      if (across)
         for (; target->pairs_end <= k + eight; ++target)
           target->records_end = at.record + static_cast<std::uint32_t>(begin) +
                                 bit_places.count[now & ((1u << (target->pairs_end - k)) - 1u)];
@@ -266,9 +271,9 @@ struct SphereSweep {
     const Passes& passes = *with.passes;
     t.groups = (t.count + n - 1) / n;
     for (std::size_t k = t.count; k < t.groups * n; ++k) t.copy(t.count - 1, k);
-    if constexpr (across)
-      if (block.records.size() < at.record + t.groups * n)
-        block.grow_records(at.record + SphereTile<n>::most, passes.needs.rolling);
+    const bool across = !wall && range.across;
+    if (across && block.records.size() < at.record + t.groups * n)
+      block.grow_records(at.record + SphereTile<n>::most, passes.needs.rolling);
     for (std::size_t g = 0; g < t.groups; ++g) find_motion<n, remembers, wall, periodic>(t, g, block, with);
     note_depths<n>(t, total);
     const PassCall call = choose_rows(t, with);
@@ -279,13 +284,13 @@ struct SphereSweep {
     SphereRecord* const records = across ? block.records.data() + at.record : nullptr;
     SpherePlace* const record_places = across ? block.record_places.data() + at.record : nullptr;
     for (std::size_t g = 0; g < t.groups; ++g)
-      add_forces<n, remembers, wall, across, periodic>(t, g, with, records, record_places);
+      add_forces<n, remembers, wall, periodic>(t, g, with, records, record_places);
     if constexpr (periodic && !wall)
       if (with.owner != nullptr) [[unlikely]]
         leave_out_virials<n>(t, with);
     total_up<n, remembers, periodic && !wall>(t, total, with.tells_energy, passes.needs.normal);
     at.write += static_cast<std::uint32_t>(t.count);
-    if constexpr (across) at.record += static_cast<std::uint32_t>(t.count);
+    if (across) at.record += static_cast<std::uint32_t>(t.count);
   }
 
   /// The pairs of materials of the contacts of a tile.
@@ -326,7 +331,7 @@ struct SphereSweep {
       }
       if (passes.rolling != nullptr)
         passes.rolling({call, t.gather(springs.rolling(), row, gathered), springs.rolling() + at.write, passes.type,
-                        &block, &with, at, wall, across, periodic});
+                        &block, &with, at, wall, !wall && range.across, periodic});
     }
   }
 
