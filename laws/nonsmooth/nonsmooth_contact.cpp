@@ -138,6 +138,7 @@ SolverReport NonsmoothContact::solve(const World& world, const ContactSet& conta
     report.iterations += solver_->solve(problem_, r_).iterations;
   };
   if (solved_) solve();
+  if (solved_ && !problem_.guides.empty()) even_pressure(contacts, dt, solve);
   for (int pass = 0; pass < 3 && release_induced(world, contacts, dt); ++pass) {
     solve();
     solved_ = true;
@@ -155,6 +156,19 @@ SolverReport NonsmoothContact::solve(const World& world, const ContactSet& conta
   // not the solver's: what a gain within its tolerance takes off the impulses would count against it
   if (balances_ && balance_.any() && balance_.clip({problem_, r_, u_struck_, u_after_}, r_)) foresee(contacts, dt);
   return report;
+}
+
+/// Solves again from the loads of servo walls as they are shared out evenly. Friction that changes with them may shift
+/// them again, less each time.
+void NonsmoothContact::even_pressure(const ContactSet& contacts, double dt, const std::function<void()>& solve) {
+  constexpr int rounds = 3;
+  constexpr double touching = 1e-3;  // of the largest speed that impulses are to change
+  const double slow = touching * measure_free_motion(problem_).largest;
+  for (int round = 0; round < rounds; ++round) {
+    foresee(contacts, dt);
+    if (!even_pressure_.apply(problem_, u_, slow, r_)) return;
+    solve();
+  }
 }
 
 /// Solves again while the impacts of some island give energy back by friction.

@@ -6,6 +6,7 @@
 
 #include "laws/nonsmooth/displacement.h"
 #include "laws/nonsmooth/driven_motion.h"
+#include "laws/nonsmooth/even_pressure.h"
 #include "laws/nonsmooth/impact.h"
 #include "laws/nonsmooth/nonsmooth_contact.h"
 #include "laws/nonsmooth/position_correction.h"
@@ -56,6 +57,7 @@ class NonsmoothContact final : public ContactModel {
   void load(const World& world, const ContactSet& contacts, const StepClock& clock);
   void start(const World& world, const ContactSet& contacts, double dt);
   SolverReport solve(const World& world, const ContactSet& contacts, double dt);
+  void even_pressure(const ContactSet& contacts, double dt, const std::function<void()>& solve);
   bool release_induced(const World& world, const ContactSet& contacts, double dt);
   void balance(const ContactSet& contacts, double dt, const std::function<void()>& solve);
   void account(const World& world, ContactSet& contacts, double dt, StepReport& report) const;
@@ -93,6 +95,7 @@ class NonsmoothContact final : public ContactModel {
   BodyVelocities before_, after_, calmed_velocities_;
   std::vector<Vec3> moments_;  ///< of r_ on the bodies
   UnwrittenStream<double> next_gap_, restitution_;
+  EvenPressure even_pressure_;
   WarmStart memory_;
   DrivenMotion driven_;
   ConeProblem blocks_;             ///< of a step that was not solved

@@ -2,6 +2,7 @@
 #include "engine/units/random.h"
 #include "laws/nonsmooth/no_solution.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
+#include "laws/nonsmooth/solvers/auto.h"
 #include "tests/support/catch.h"
 #include "tests/support/rigid_experiment.h"
 
@@ -128,5 +129,43 @@ TEST_CASE("a contact that is left for its own impact is no contact without solut
     INFO("gap " << gap << " g dt^2, contacts " << run.work.contacts.size());
     REQUIRE_FALSE(run.work.report.solver.converged);
     CHECK(run.work.report.trouble.kind == SolverTrouble::Kind::none);
+  }
+}
+
+TEST_CASE("auto tries what has failed four times again after 1, 3, 7 .. solves, and returns the best it found",
+          "[laws][lcp]") {
+  Random random(4, 0);
+  for (int draw = 0; draw < 20; ++draw) {
+    const Eigen::Index n = 3 + draw % 8;
+    Eigen::MatrixXd a(n + 2, n);
+    Eigen::VectorXd d(n), q(n);
+    for (Eigen::Index j = 0; j < n; ++j) {
+      d(j) = random.uniform(0.1, 2.0);
+      q(j) = random.uniform(-1.0, 1.0);
+      for (Eigen::Index i = 0; i < a.rows(); ++i) a(i, j) = random.uniform(-1.0, 1.0);
+    }
+    a -= (a * d) * d.transpose() / d.squaredNorm();
+    q -= (q.dot(d) + random.uniform(0.1, 1.0)) / d.squaredNorm() * d;  // no solution: a ray
+    const ConeProblem p = normal_problem(a, q);
+    Auto solver(400, 1e-6);
+    std::vector<int> tries;
+    const double largest = [&] {
+      Impulses r(p.size(), Vec3::Zero());
+      (void)solver.solve(p, r);
+      return solver.work();
+    }();
+    tries.push_back(0);
+    for (int k = 1; k < 40; ++k) {
+      Impulses r(p.size(), Vec3::Zero());
+      std::vector<Vec6> v;
+      std::vector<Vec3> u;
+      const SolverReport report = solver.solve(p, r);
+      p.relative_velocities(r, v, u);
+      CHECK_FALSE(report.converged);
+      CHECK(p.residual(r, u) == Approx(report.residual).epsilon(1e-6));
+      if (solver.work() > 0.999 * largest) tries.push_back(k);
+    }
+    INFO("draw " << draw << ", " << n << " contacts");
+    CHECK(tries == std::vector<int>{0, 1, 2, 3, 5, 9, 17, 33});
   }
 }

@@ -106,6 +106,7 @@ void Auto::appraise(Part& part, const ConeProblem& problem) const {
 /// Stages 0 and 1, of a part that is appraised.
 SolverReport Auto::begin(Part& part, const ConeProblem& problem, Impulses& r, std::size_t island) {
   if (part.left) return {false, 0, infinity};
+  part.paused = pause_ > 0 && problem.size() >= failed_;
   const SolverReport again = go_on(part, problem, r, island);
   part.work += again.iterations * part.price * part.sweep_cost;
   if (again.converged || again.iterations >= iterations_) return again;
@@ -119,7 +120,8 @@ SolverReport Auto::begin(Part& part, const ConeProblem& problem, Impulses& r, st
 
 /// Stage 1: r is swept in place, at most `limit` times.
 SolverReport Auto::sweep(Part& part, const ConeProblem& problem, Impulses& r, int limit, double price) {
-  limit = static_cast<int>(std::min(std::max(newton_steps * price, 40.0), static_cast<double>(limit)));
+  if (!part.paused)
+    limit = static_cast<int>(std::min(std::max(newton_steps * price, 40.0), static_cast<double>(limit)));
   part.sweep.load(problem);
   part.sweep.start(r);
   problem.relative_velocities(r, part.v, part.u);
@@ -134,6 +136,7 @@ SolverReport Auto::sweep(Part& part, const ConeProblem& problem, Impulses& r, in
     report.residual = problem.residual(r, part.u);
     if (report.iterations < 3 * first_batch || report.residual <= tolerance_) continue;
     const double rate = std::log(report.residual / last) / batch;  // per sweep, < 0 when it contracts
+    if (part.paused) continue;
     if (rate >= 0.0 || std::log(tolerance_ / report.residual) / rate > limit - report.iterations) break;
   }
   report.converged = report.residual <= tolerance_;
@@ -157,9 +160,33 @@ SolverReport Auto::refine(Part& part, const ConeProblem& problem, Impulses& r, c
   const int last = affordable(part, proximal_price * factorisation_cost, iterations_ - count);
   if (last == 0) return report;
   part.proximal.limit(last);
+  part.change = r;
   const SolverReport proximal = part.proximal.solve(problem, r);
   part.work += proximal_price * proximal.iterations * factorisation_cost;
-  return {proximal.converged, count + proximal.iterations, proximal.residual};
+  if (!(proximal.residual <= report.residual)) r.swap(part.change);
+  return {proximal.converged, count + proximal.iterations, std::min(proximal.residual, report.residual)};
+}
+
+/// What stages 2 and 3 made of an island. Islands come in order of size.
+void Auto::note(std::size_t contacts, const SolverReport& report) {
+  if (report.converged)
+    solves_now_ = solves_now_ || contacts >= failed_;
+  else if (fails_now_ == 0)
+    fails_now_ = contacts;
+}
+
+/// After a solve. With a credit the caller has pauses of its own.
+void Auto::look_back() {
+  constexpr std::int32_t forgiven = 3, most = 8;  // failures: without a pause, and with the longest
+  if (pause_ > 0) --pause_;
+  if (solves_now_) failures_ = 0;
+  if (fails_now_ > 0 && credit_ == infinity && !stop()) {
+    failed_ = fails_now_;
+    failures_ = std::min(failures_ + 1, most);
+    pause_ = (1 << std::max(failures_ - forgiven, 0)) - 1;
+  }
+  fails_now_ = 0;
+  solves_now_ = false;
 }
 
 /// Island k of several, appraised.
@@ -190,10 +217,14 @@ SolverReport Auto::solve(const ConeProblem& problem, Impulses& r) {
     share_credit(1);
     const SolverReport swept = begin(*parts_[0], problem, parts_[0]->swept, 0);
     if (!unfinished(*parts_[0], swept) || stop()) {
+      look_back();
       r.swap(parts_[0]->swept);
       return swept;
     }
-    return refine(*parts_[0], problem, r, swept, 0);
+    const SolverReport refined = refine(*parts_[0], problem, r, swept, 0);
+    note(problem.size(), refined);
+    look_back();
+    return refined;
   }
   reports_.assign(count, {});
   parallel_for(
@@ -218,6 +249,8 @@ SolverReport Auto::solve(const ConeProblem& problem, Impulses& r) {
         part.swept.swap(part.r);
       },
       1);
+  for (const std::uint32_t k : order_) note(islands_.contacts(k).size(), reports_[k]);
+  look_back();
   SolverReport report{true, 0, 0.0};
   for (std::size_t k = 0; k < count; ++k) {
     const auto contacts = islands_.contacts(k);
@@ -294,6 +327,9 @@ void Auto::visit(StateVisitor& visitor) {
   visit_factor(visitor, blocks, all);
   visitor.column("auto/kept", kept_);
   visitor.column("auto/spent", spent_);
+  visitor.value("auto/failed", failed_);
+  visitor.value("auto/pause", pause_);
+  visitor.value("auto/failures", failures_);
   make_parts(kept_.size());
   if (all.empty()) return;
   blocks.q.assign(all.size(), Vec3::Zero());
