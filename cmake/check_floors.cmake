@@ -22,7 +22,7 @@ set(doors
   "toml\\+\\+/|scenes/reader/toml_text\\.cpp"
   "CLI/|scenes/cli/usage\\.h"
   "mpi\\.h|ranks/communicator\\.cpp,ranks/mpi_messages\\.cpp,ranks/plan\\.cpp"
-  "zoltan|ranks/communicator\\.cpp,ranks/partition\\.cpp,ranks/plan\\.cpp"
+  "zoltan|ranks/communicator\\.cpp,ranks/partition\\.cpp"
   "zlib\\.h|viz_export/hdf5/deflate\\.cpp"
   "nlohmann/|viz_export/files/json_reader\\.cpp"
   "catch2/|tests/support/catch\\.h")

@@ -100,7 +100,7 @@ void DetectionPart::receive(World* whole, NarrowPhase* memory, double longest) {
   from_.clear();
   for (Slot s = 0; s < owner.size(); ++s) from_.insert(from_.end(), routes.begin[s + 1] - routes.begin[s], s);
   const Arrival arrival = exchange_rows(image, routes);
-  bodies_ = Plan(std::move(routes.to));
+  bodies_ = Plan(routes.to);
   forget_slots(sim_);
   restore(image, walk_of(world, *sim_.pipeline.narrow_phase));
   place_ = arrival.place;

@@ -34,7 +34,7 @@ std::size_t row_of(World& world) {
 void Halo::set_up(const World& world, std::vector<Slot> slots, std::vector<int> ranks,
                   const std::vector<std::uint32_t>& place) {
   from_ = std::move(slots);
-  plan_ = Plan(std::move(ranks));
+  plan_ = Plan(ranks);
   out_.resize(from_.size() * sizeof(std::uint32_t));
   for (std::size_t k = 0; k < from_.size(); ++k)
     std::memcpy(out_.data() + k * sizeof(std::uint32_t), &place[from_[k]], sizeof(std::uint32_t));
@@ -68,7 +68,7 @@ void Halo::begin(World& world) {
 
 void Halo::finish(World& world) {
   const std::size_t row = row_of(world);
-  plan_.finish(out_, row, in_);
+  plan_.finish();
   parallel_for(into_.size(), [&](std::size_t k) {
     const std::byte* from = in_.data() + k * row;
     each_moving(world, [&](auto& column) {

@@ -1,5 +1,6 @@
 /// @file halo.h  What a rank sees of bodies that others own: after each step their owners send what moves of them.
 #pragma once
+#include <span>
 #include <vector>
 
 #include "engine/state/world.h"
@@ -20,7 +21,7 @@ class Halo {
   /// The same in two steps: own bodies stay as they are in between, ghosts must not be read.
   void begin(World& world);
   void finish(World& world);
-  std::size_t ghosts() const { return into_.size(); }
+  std::span<const Slot> ghosts() const { return into_; }
   double bytes() const { return bytes_; }  ///< sent by this rank in all steps
 
  private:

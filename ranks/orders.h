@@ -34,6 +34,7 @@ struct Order {
   double dt = 0.0;        ///< [s]
   double low[3] = {}, high[3] = {};
   std::int32_t has_domain = 0, outside = 0;
+  bool run_on = false;
   std::uint64_t size = 0;  ///< of what is announced
 
   void set_domain(const std::optional<Domain>& domain) {

@@ -58,10 +58,11 @@ void Part::settle(StateImage& image, const Arrival& arrival) {
         ranks.push_back(now.to[k]);
       }
   halo_.set_up(world, std::move(slots), std::move(ranks), place_);
+  settled_ = true;
 }
 
 void Part::suit_margin(double longest) {
-  std::array<double, 2> sums{own_, static_cast<double>(halo_.ghosts())};
+  std::array<double, 2> sums{own_, static_cast<double>(halo_.ghosts().size())};
   sum_over_ranks(sums);
   territory_.suit(longest, sums[0], sums[1]);
 }
@@ -112,7 +113,7 @@ void Part::give_places(Simulation* whole) {
   std::vector<std::byte> rows, arrived;
   for (Slot s = 0; s < world.size(); ++s)
     if (world.owner[s] == World::here) append_row(rows, place_of(world, s));
-  const Plan plan(std::vector<int>(rows.size() / sizeof(PlaceRow), 0));
+  Plan plan(std::vector<int>(rows.size() / sizeof(PlaceRow), 0));
   plan.run(rows, sizeof(PlaceRow), arrived);
   figures_.bytes += static_cast<double>(rows.size());
   if (!whole) return;
@@ -200,7 +201,7 @@ void Part::give_contacts(Simulation* whole, bool in_pieces) {
   give_places(whole);
   const std::vector<std::byte> rows = contact_rows(in_pieces);
   std::vector<std::byte> arrived;
-  const Plan plan(std::vector<int>(rows.size() / sizeof(ContactRow), 0));
+  Plan plan(std::vector<int>(rows.size() / sizeof(ContactRow), 0));
   plan.run(rows, sizeof(ContactRow), arrived);
   figures_.bytes += static_cast<double>(rows.size());
   if (whole) {
@@ -231,6 +232,13 @@ Part::Speeds Part::speeds_of_own() const {
   Speeds all = none;
   for (const Speeds& part : parts) take(all, part);
   return all;
+}
+
+/// With which the bodies go through the step that has begun: no acceleration comes on top.
+Part::Speeds Part::speeds_of(const Extent& begun) const {
+  const Vec3 &low = begun.slowest, &high = begun.fastest;
+  const double none = own_ > 0.0 ? 0.0 : -std::numeric_limits<double>::infinity();
+  return {high.x(), high.y(), high.z(), -low.x(), -low.y(), -low.z(), none};
 }
 
 /// Of all ranks. In a cell that deforms nothing is common: the flow would change it.
@@ -302,12 +310,32 @@ double Part::act_events(double dt) {
   return sim_.ledger.last().work - work + 0.5 * dt * (sim_.held_power() - power);
 }
 
-bool Part::step(double dt, const std::optional<Domain>& domain, StepReport& report) {
+/// Sees to it that all bodies which contacts need in the step are here. True where bodies have come when its first half
+/// was done.
+bool Part::hold(double dt) {
+  const bool ahead = sim_.is_ahead();
+  if (ahead) motion_.go(dt);
+  const bool moves = !stays(ahead ? 0.0 : dt);
+  if (moves) move(motion_.next(dt));
+  if (!ahead) motion_.go(dt);
+  dt_ = dt;
+  return ahead && moves;
+}
+
+/// As Simulation::make_step, of all ranks: they know alike what is asked here.
+bool Part::may_run_on(const std::optional<Domain>& domain) const {
+  if (settled_ || (sim_.is_ahead() ? !inside_ || (domain && !had_domain_) : domain.has_value())) return false;
+  return std::ranges::all_of(sim_.events,
+                             [&](const auto& e) { return !e->is_local() || e->rests_next(sim_.world, dt_); });
+}
+
+bool Part::step(double dt, const std::optional<Domain>& domain, bool run_on, StepReport& report) {
   World& world = sim_.world;
   RankTimer timer(figures_);
   const double booked = act_events(dt);
-  if (!stays(dt)) move(motion_.next(dt));
-  motion_.go(dt_ = dt);
+  const bool begun = hold(dt), runs_on = run_on && may_run_on(domain);
+  settled_ = false;
+  had_domain_ = domain.has_value();
   timer.lap(RankStage::sharing);
   overlaps_.reset();
   virial_is_joined_ = false;
@@ -315,7 +343,9 @@ bool Part::step(double dt, const std::optional<Domain>& domain, StepReport& repo
   if (sim_.loads) sim_.loads->before_step(world, dt);
   // the work of a strain is by the forces before and after it: process 0 books the former, of all contacts
   if (world.cell && rank_number() != 0) world.cell->virial.setZero();
-  epafi::step(world, sim_.pipeline, sim_.work, dt);
+  const RunOn leave{[](const Extent&) { return true; }, true};
+  StageTimer stages(sim_.work.report.seconds);
+  epafi::step(world, sim_.pipeline, sim_.work, dt, stages, runs_on ? &leave : nullptr, begun);
   if (sim_.loads) sim_.work.report.work += sim_.loads->after_step(world, dt);
   sim_.work.report.work += booked;
   work_.end();
@@ -326,12 +356,13 @@ bool Part::step(double dt, const std::optional<Domain>& domain, StepReport& repo
   if (deforms_) join_virial();
   note_overlaps();
   bool sound = is_sound(domain);
-  begin_sums(sound);
+  begin_sums(sound, domain);
   timer.lap(RankStage::hidden);
   halo_.finish(world);
+  if (sim_.is_ahead()) shared_model()->take_ghosts(world, halo_.ghosts());
   timer.lap(RankStage::exchange);
   figures_.steps += 1.0;
-  figures_.ghosts += static_cast<double>(halo_.ghosts());
+  figures_.ghosts += static_cast<double>(halo_.ghosts().size());
   figures_.own += own_;
   for (const Stage stage : {Stage::integrate, Stage::broad_phase, Stage::narrow_phase, Stage::contact})
     report.seconds[stage] = sim_.work.report.seconds[stage];

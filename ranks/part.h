@@ -38,14 +38,15 @@ class Part {
   /// Of all parts, at rank 0: as RemoteSteps has them.
   RemoteTotals totals(bool overlaps);
   double stiffness(double dt);
-  /// One step; report: what all parts did in it. False where a body is astray.
-  bool step(double dt, const std::optional<Domain>& domain, StepReport& report);
+  /// One step; report: what all parts did in it. False where a body is astray. run_on: as RemoteSteps::step.
+  bool step(double dt, const std::optional<Domain>& domain, bool run_on, StepReport& report);
   PartFigures figures() const;
   /// For what others book of this rank's time.
   PartFigures& ledger() { return figures_; }
 
  private:
   void move(double longest);
+  bool hold(double dt);
   void suit_margin(double longest);
   void settle(StateImage& image, const Arrival& arrival);
   void give_places(Simulation* whole);
@@ -78,15 +79,15 @@ class Part {
   /// Largest velocities along each axis, then against it [m/s]; largest square of an acceleration [m^2/s^4].
   using Speeds = std::array<double, 7>;
   Speeds speeds_of_own() const;
+  Speeds speeds_of(const Extent& begun) const;
   void take_speeds(std::span<const double> largest);
   double act_events(double dt);
-  const SharedModel* shared_model() const {
-    return dynamic_cast<const SharedModel*>(sim_.pipeline.contact_model.get());
-  }
+  SharedModel* shared_model() const { return dynamic_cast<SharedModel*>(sim_.pipeline.contact_model.get()); }
   void join_held_loads();
   void take_off_held_pulls();
   void join_virial();
-  void begin_sums(bool sound);
+  bool may_run_on(const std::optional<Domain>& domain) const;
+  void begin_sums(bool sound, const std::optional<Domain>& domain);
   void finish_sums(StepReport& report, bool& sound);
 
   Simulation& sim_;
@@ -106,6 +107,9 @@ class Part {
   double own_ = 0.0;       ///< free bodies of this rank
   bool prepared_ = false;  ///< events have seen this state where it was whole
   bool asked_ = false;     ///< some common event has something to do before the next step
+  bool settled_ = false;   ///< bodies have come since the last step
+  /// Where the next step has begun: all bodies are numbers in it, and inside the domain if the last one had that.
+  bool inside_ = false, had_domain_ = false;
   Motion motion_;
   double dt_ = 0.0;                        ///< of the last step [s]; 0: there was none
   std::optional<OverlapTotals> overlaps_;  ///< of the last step, once they are summed

@@ -128,11 +128,13 @@ double Part::stiffness(double dt) {
   return largest;
 }
 
-/// Of the bodies that this rank owns.
+/// Of the bodies that this rank owns. Where the next step has begun they were inside the domain.
 bool Part::is_sound(const std::optional<Domain>& domain) const {
+  static const std::optional<Domain> everywhere;
+  const std::optional<Domain>& room = sim_.is_ahead() ? everywhere : domain;
   const Extent* seen = sim_.pipeline.contact_model->extent();
-  if (seen && seen->is_inside(domain)) return true;
-  const auto strays = find_strays(sim_.world, domain);
+  if (seen && seen->is_inside(room)) return true;
+  const auto strays = find_strays(sim_.world, room);
   return std::ranges::none_of(strays, [&](Slot s) { return sim_.world.owner[s] == World::here; });
 }
 
@@ -140,9 +142,11 @@ bool Part::asks() const {
   return !deforms_ && std::ranges::any_of(sim_.events, [&](const auto& event) { return event->asks(sim_.world); });
 }
 
-void Part::begin_sums(bool sound) {
+void Part::begin_sums(bool sound, const std::optional<Domain>& domain) {
   const StepReport& mine = sim_.work.report;
-  const std::array<double, 12> sums{static_cast<double>(mine.pairs),
+  const bool ahead = sim_.is_ahead();
+  const Extent next = ahead ? shared_model()->begun() : Extent();
+  const std::array<double, 14> sums{static_cast<double>(mine.pairs),
                                     static_cast<double>(mine.contacts),
                                     static_cast<double>(mine.touching),
                                     mine.elastic,
@@ -153,14 +157,16 @@ void Part::begin_sums(bool sound) {
                                     mine.losses.plastic,
                                     mine.losses.adhesive,
                                     sound ? 0.0 : 1.0,
-                                    asks() ? 1.0 : 0.0};
+                                    asks() ? 1.0 : 0.0,
+                                    ahead ? 1.0 : 0.0,
+                                    own_ > 0.0 && !next.is_inside(domain) ? 1.0 : 0.0};
   std::array<double, 9> largest{mine.deepest, mine.deepest_relative};
-  std::ranges::copy(speeds_of_own(), largest.begin() + 2);
+  std::ranges::copy(ahead ? speeds_of(next) : speeds_of_own(), largest.begin() + 2);  // accelerations have acted
   joint_.begin(sums, largest);
 }
 
 void Part::finish_sums(StepReport& report, bool& sound) {
-  std::array<double, 12> sums{};
+  std::array<double, 14> sums{};
   std::array<double, 9> largest{};
   joint_.finish(sums, largest);
   report.pairs = static_cast<std::size_t>(sums[0]);
@@ -175,6 +181,8 @@ void Part::finish_sums(StepReport& report, bool& sound) {
   take_speeds(std::span(largest).subspan<2>());
   sound = sums[10] == 0.0;
   asked_ = sums[11] != 0.0;
+  if (sums[12] != (sim_.is_ahead() ? rank_count() : 0.0)) throw std::logic_error("ranks are in different steps");
+  inside_ = sums[13] == 0.0;
 }
 
 }  // namespace epafi

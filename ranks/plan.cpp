@@ -1,57 +1,89 @@
 #include "ranks/plan.h"
 
 #include <mpi.h>
-#include <zoltan_comm.h>
-#include <zoltan_types.h>
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
 
 #include "engine/units/error.h"
+#include "ranks/communicator.h"
 
 namespace epafi {
 
 namespace {
-constexpr int tag_of_plan = 11, tag_of_rows = 12;
+constexpr int tag_of_rows = 12;
 
-ZOLTAN_COMM_OBJ* zoltan(void* plan) { return static_cast<ZOLTAN_COMM_OBJ*>(plan); }
+/// Rows [begin, end) of one rank.
+struct Share {
+  int rank;
+  std::size_t begin, end;
+};
 
-void check(int code, const char* what) {
-  if (code != ZOLTAN_OK && code != ZOLTAN_WARN)
-    throw FileError(std::string("ranks: ") + what + " failed, Zoltan's code " + std::to_string(code));
+std::vector<Share> shares_of(const std::vector<int>& counts) {
+  std::vector<Share> shares;
+  std::size_t at = 0;
+  for (std::size_t rank = 0; rank < counts.size(); ++rank) {
+    const std::size_t end = at + static_cast<std::size_t>(counts[rank]);
+    if (end > at) shares.push_back({static_cast<int>(rank), at, end});
+    at = end;
+  }
+  return shares;
 }
+
+std::size_t size_of(const std::vector<Share>& shares) { return shares.empty() ? 0 : shares.back().end; }
 }  // namespace
 
-Plan::Plan(std::vector<int> to) : sent_(to.size()) {
-  ZOLTAN_COMM_OBJ* made = nullptr;
-  int count = 0;
-  to.reserve(1);  // no null pointer
-  check(Zoltan_Comm_Create(&made, static_cast<int>(to.size()), to.data(), MPI_COMM_WORLD, tag_of_plan, &count),
-        "a communication plan");
-  plan_ = made;
-  received_ = static_cast<std::size_t>(count);
+struct Plan::Messages {
+  std::vector<std::size_t> order;  ///< of the rows, by rank
+  std::vector<Share> out, in;
+  std::vector<std::byte> packed;  ///< until they have gone
+  std::vector<MPI_Request> requests;
+};
+
+Plan::Plan() : messages_(std::make_unique<Messages>()) {}
+Plan::Plan(Plan&&) noexcept = default;
+Plan& Plan::operator=(Plan&&) noexcept = default;
+Plan::~Plan() = default;
+
+Plan::Plan(const std::vector<int>& to) : Plan() {
+  Messages& m = *messages_;
+  m.order.resize(to.size());
+  std::iota(m.order.begin(), m.order.end(), std::size_t{0});
+  std::ranges::stable_sort(m.order, {}, [&](std::size_t k) { return to[k]; });
+  std::vector<int> sent(static_cast<std::size_t>(rank_count()), 0), received(sent.size());
+  for (const int rank : to) ++sent[static_cast<std::size_t>(rank)];
+  MPI_Alltoall(sent.data(), 1, MPI_INT, received.data(), 1, MPI_INT, MPI_COMM_WORLD);
+  m.out = shares_of(sent);
+  m.in = shares_of(received);
 }
 
-Plan::~Plan() {
-  ZOLTAN_COMM_OBJ* made = zoltan(plan_);
-  if (made != nullptr) Zoltan_Comm_Destroy(&made);
+std::size_t Plan::sent() const { return messages_->order.size(); }
+std::size_t Plan::received() const { return size_of(messages_->in); }
+
+void Plan::begin(const std::vector<std::byte>& rows, std::size_t row, std::vector<std::byte>& arrived) {
+  EPAFI_REQUIRE(rows.size() == sent() * row, "a row for each place of the plan");
+  Messages& m = *messages_;
+  arrived.resize(received() * row);
+  m.packed.resize(rows.size());
+  MPI_Datatype type = MPI_DATATYPE_NULL;  // counts are of rows: of bytes they would end at 2 GB
+  MPI_Type_contiguous(static_cast<int>(row), MPI_BYTE, &type);
+  MPI_Type_commit(&type);
+  m.requests.clear();
+  const auto post = [&](const Share& share, std::vector<std::byte>& bytes, const auto& call) {
+    call(bytes.data() + share.begin * row, static_cast<int>(share.end - share.begin), type, share.rank, tag_of_rows,
+         MPI_COMM_WORLD, &m.requests.emplace_back());
+  };
+  for (const Share& share : m.in) post(share, arrived, MPI_Irecv);
+  for (std::size_t k = 0; k < m.order.size(); ++k)
+    std::memcpy(m.packed.data() + k * row, rows.data() + m.order[k] * row, row);
+  for (const Share& share : m.out) post(share, m.packed, MPI_Isend);
+  MPI_Type_free(&type);
 }
 
-namespace {
-/// No null pointers.
-char* bytes_of(const std::vector<std::byte>& rows) {
-  static std::byte none{};
-  return reinterpret_cast<char*>(const_cast<std::byte*>(rows.empty() ? &none : rows.data()));
-}
-}  // namespace
-
-void Plan::begin(const std::vector<std::byte>& rows, std::size_t row, std::vector<std::byte>& arrived) const {
-  EPAFI_REQUIRE(rows.size() == sent_ * row, "a row for each place of the plan");
-  arrived.resize(received_ * row);
-  check(Zoltan_Comm_Do_Post(zoltan(plan_), tag_of_rows, bytes_of(rows), static_cast<int>(row), bytes_of(arrived)),
-        "an exchange");
-}
-
-void Plan::finish(const std::vector<std::byte>& rows, std::size_t row, std::vector<std::byte>& arrived) const {
-  check(Zoltan_Comm_Do_Wait(zoltan(plan_), tag_of_rows, bytes_of(rows), static_cast<int>(row), bytes_of(arrived)),
-        "an exchange");
+void Plan::finish() {
+  Messages& m = *messages_;
+  MPI_Waitall(static_cast<int>(m.requests.size()), m.requests.data(), MPI_STATUSES_IGNORE);
 }
 
 }  // namespace epafi

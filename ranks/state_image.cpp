@@ -124,7 +124,7 @@ struct Parcel {
   }
   std::vector<Head> send(double& bytes) {
     bytes += static_cast<double>(rows.size());
-    const Plan plan(std::move(to));
+    Plan plan(to);
     std::vector<std::byte> arrived;
     plan.run(rows, sizeof(Head) + row, arrived);
     rows.swap(arrived);

@@ -50,14 +50,15 @@ class Leader final : public RemoteSteps {
     tell({.task = Task::stiffness, .dt = dt});
     return part_.stiffness(dt);
   }
-  bool step(double dt, const std::optional<Domain>& domain, StepReport& report) override {
+  bool step(double dt, const std::optional<Domain>& domain, bool run_on, StepReport& report) override {
     const Busy busy(busy_);
     fetched_ = 0;
-    Order order{.task = Task::step, .dt = dt};
+    Order order{.task = Task::step, .dt = dt, .run_on = run_on};
     order.set_domain(domain);
     tell(order);
-    return part_.step(dt, domain, report);
+    return part_.step(dt, domain, run_on, report);
   }
+  bool is_ahead() const override { return simulation_->is_ahead(); }
   RankFigures figures() override {
     const Busy busy(busy_);
     tell({.task = Task::figures});
@@ -126,7 +127,7 @@ RankTeam::Followed obey(Part& part) {
         part.stiffness(order.dt);
         break;
       case Task::step:
-        part.step(order.dt, order.domain(), report);
+        part.step(order.dt, order.domain(), order.run_on, report);
         break;
       default:
         if (auto ended = obey_any(order, part)) return std::move(*ended);

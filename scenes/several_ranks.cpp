@@ -27,22 +27,17 @@ class Refusals {
   std::vector<Problem> problems_;
 };
 
-constexpr const char* run_alone = "run the scene without `mpi N`";
+constexpr const char* run_alone = "take threads: run the scene without `mpi N`, with -t N";
 
 void refuse_wheelsets(const Scene& scene, Refusals& refusals) {
   for (const BodySpec& b : scene.bodies)
     if (!b.absent && b.on_rails) return refusals.add(true, scene.groups[b.group].place, "a wheelset", run_alone);
 }
 
-/// What whole steps cannot do where each process has its bodies alone. Of impulses process 0 makes the steps.
-void refuse_in_steps(const Scene& scene, Refusals& refusals) {
-  if (scene.output.problems_every) refusals.add(true, scene.output.problems_every->place, "output.problems", run_alone);
-  refuse_wheelsets(scene, refusals);
-}
-
 void refuse(const Scene& scene, bool rolls, Refusals& refusals) {
   refusals.add(rolls, scene.contact.wheel_rail_place, "wheel on rail", run_alone);
-  if (scene.contact.method.value == Method::smooth) refuse_in_steps(scene, refusals);
+  // of impulses process 0 makes the steps
+  if (scene.contact.method.value == Method::smooth) refuse_wheelsets(scene, refusals);
 }
 
 }  // namespace

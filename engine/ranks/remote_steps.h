@@ -59,8 +59,10 @@ class RemoteSteps {
   /// nothing is known.
   virtual double stiffness(double dt) = 0;
   /// A step of all of them; what it did is summed up in the report. False where some free body is outside the domain or
-  /// its state is no number.
-  virtual bool step(double dt, const std::optional<Domain>& domain, StepReport& report) = 0;
+  /// its state is no number. run_on: they may begin the next one, as Simulation::advance has it.
+  virtual bool step(double dt, const std::optional<Domain>& domain, bool run_on, StepReport& report) = 0;
+  /// They have begun it: the state must not be fetched.
+  virtual bool is_ahead() const = 0;
   virtual RankFigures figures() = 0;
 };
 

@@ -2,9 +2,11 @@
 /// bits of one. Of a part, what this process counts.
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "engine/state/virial.h"
+#include "engine/step/domain.h"
 
 namespace epafi {
 
@@ -22,6 +24,11 @@ class SharedModel {
   virtual void add_virial(const World&, Virial&) const {}
   /// What it has put on fixed and driven bodies beside contacts, in the order in which it does.
   virtual void append_held_pulls(const World&, std::vector<HeldPull>&) const {}
+  /// Where the first half of the next step is done (ContactModel::is_ahead): the bodies in it, ghosts as their contacts
+  /// of this process alone move them.
+  virtual Extent begun() const { return {}; }
+  /// Ghosts are where their owners have them in that step.
+  virtual void take_ghosts(World&, std::span<const Slot>) {}
 };
 
 }  // namespace epafi

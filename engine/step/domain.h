@@ -29,11 +29,14 @@ struct Domain {
 struct Extent {
   static constexpr double none = std::numeric_limits<double>::infinity();
   Vec3 low = Vec3::Constant(none), high = Vec3::Constant(-none);
+  Vec3 slowest = Vec3::Constant(none), fastest = Vec3::Constant(-none);  ///< by axis [m/s]; of SharedModel::begun
   bool finite = true;
 
   Extent& operator+=(const Extent& o) {
     low = low.cwiseMin(o.low);
     high = high.cwiseMax(o.high);
+    slowest = slowest.cwiseMin(o.slowest);
+    fastest = fastest.cwiseMax(o.fastest);
     finite = finite && o.finite;
     return *this;
   }

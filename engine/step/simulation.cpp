@@ -166,7 +166,7 @@ double Simulation::held_power() const {
 }
 
 std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on, StageTimer& timer) {
-  if (remote) return make_remote_step(dt, sort, timer);
+  if (remote) return make_remote_step(dt, sort, run_on, timer);
   prepare(dt, sort);
   const RunOn leave{[this](const Extent& seen) { return seen.is_inside(watched()); }, domain.has_value()};
   const bool rest = run_on && std::ranges::all_of(events, [&](const auto& e) { return e->rests_next(world, dt); });
@@ -181,7 +181,7 @@ std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on, 
 }
 
 /// The state comes here only where something is to be done with it.
-std::optional<Failure> Simulation::make_remote_step(double dt, bool sort, StageTimer& timer) {
+std::optional<Failure> Simulation::make_remote_step(double dt, bool sort, bool run_on, StageTimer& timer) {
   if (sort || !leaving_.empty() || !away_.rest || dt != away_.dt) {
     come_home();
     away_.sent = false;
@@ -196,7 +196,7 @@ std::optional<Failure> Simulation::make_remote_step(double dt, bool sort, StageT
   work.contacts.clear();
   timer.lap(Stage::events);
   const double booked = work.report.seconds.all();
-  const bool sound = remote->step(dt, watched(), work.report);
+  const bool sound = remote->step(dt, watched(), run_on && away_.rest, work.report);
   timer.lap(Stage::events, work.report.seconds.all() - booked);
   world.time += dt;
   world.clock += dt;

@@ -77,7 +77,7 @@ class Simulation {
   /// The last energy of the ledger is not finite (velocities may be).
   std::optional<Failure> look_at_energy();
   /// The last call has begun the next step: bodies must not be read.
-  bool is_ahead() const { return pipeline.contact_model->is_ahead(); }
+  bool is_ahead() const { return remote ? remote->is_ahead() : pipeline.contact_model->is_ahead(); }
   /// With several processes: fetches the present state. To be called before bodies are read.
   void come_home();
   /// Sums over the bodies of the present state, wherever it is.
@@ -95,7 +95,7 @@ class Simulation {
   void take_out();
   void welcome(std::size_t before);
   std::optional<Failure> make_step(double dt, bool sort, bool run_on, StageTimer& timer);
-  std::optional<Failure> make_remote_step(double dt, bool sort, StageTimer& timer);
+  std::optional<Failure> make_remote_step(double dt, bool sort, bool run_on, StageTimer& timer);
   void prepare(double dt, bool sort);
   bool nobody_looks() const;
   bool sorts_now() const { return steps_ + before_ > 0 && (steps_ + before_) % sort_interval == 0; }

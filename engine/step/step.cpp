@@ -23,12 +23,15 @@ void step(World& world, Pipeline& stage, Workspace& work, double dt) {
   step(world, stage, work, dt, timer);
 }
 
-void step(World& world, Pipeline& stage, Workspace& work, double dt, StageTimer& timer, const RunOn* run_on) {
+void step(World& world, Pipeline& stage, Workspace& work, double dt, StageTimer& timer, const RunOn* run_on,
+          bool begun) {
   work.report.deepest = work.report.deepest_relative = 0.0;
   work.report.doubts.clear();
   StepClock clock{dt, stage.scheme->velocity_lag(), stage.scheme.get(), nullptr, run_on};
   double held = 0.0;
-  if (stage.guard || !stage.contact_model->move(world, clock)) {
+  if (begun) {
+    clock.scheme = nullptr;
+  } else if (stage.guard || !stage.contact_model->move(world, clock)) {
     clock.scheme = nullptr;
     held = watched(world, stage, dt, [&] { stage.scheme->first_half(world, dt); });
   }

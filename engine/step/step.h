@@ -12,8 +12,10 @@ struct Workspace {
 };
 
 /// Advances the world by one step: integrate, find pairs, find contacts, let them act, integrate. run_on: as
-/// StepClock::run_on. timer: at its last lap when the step begins.
-void step(World& world, Pipeline& stage, Workspace& work, double dt, StageTimer& timer, const RunOn* run_on = nullptr);
+/// StepClock::run_on. timer: at its last lap when the step begins. begun: bodies stand in other slots since a contact
+/// model has done the first half; forces are those of the last step.
+void step(World& world, Pipeline& stage, Workspace& work, double dt, StageTimer& timer, const RunOn* run_on = nullptr,
+          bool begun = false);
 void step(World& world, Pipeline& stage, Workspace& work, double dt);
 
 /// Evaluates the contact forces of the present state, without moving anything.

@@ -47,19 +47,15 @@ for scene in springs pressed_cell; do
 done
 
 # a wrong scene, one message of rank 0, exit code 2
-cat > "$folder/wrong.toml" <<SCENE
-run = { duration = 0.1, time_step = 1e-4 }
-material.m = { density = 1000.0, youngs_modulus = "5 MPa", poissons_ratio = 0.3 }
-contact = { method = "smooth", restitution = 0.6, friction = 0.5, smooth = { law = "hertz-mindlin" } }
-output = { problems = { every = 1e-3 } }
-[[body]]
-shape = { sphere = { radius = 0.1 } }
-material = "m"
-position = [0.5, 0.5, 0.5]
-SCENE
-on_ranks 3 1 "$shared" run "$folder/wrong.toml" -o "$folder/refused" > "$folder/log" 2>&1
+rails=$(dirname "$bed")/../wheel_rail/curve.toml
+on_ranks 3 1 "$shared" run "$rails" -o "$folder/refused" > "$folder/log" 2>&1
 [ $? -eq 2 ] || fail "a scene that is refused: exit code $?"
-[ "$(grep -c 'wrong.toml:4:[0-9]*: error: output.problems .*run the scene without' "$folder/log")" = 1 ] || fail "no single line that refuses: $(cat "$folder/log")"
+[ "$(grep -c 'curve.toml:[0-9]*:[0-9]*: error: .* over several processes; take threads: .* without `mpi N`, with -t N' "$folder/log")" -ge 1 ] \
+  || fail "no line that refuses: $(cat "$folder/log")"
+for threads in 1 2; do  # what the line tells to take
+  "$alone" run "$rails" --steps 20 -t $threads --quiet -o "$folder/rails$threads" > "$folder/log" 2>&1 || fail "refused scene alone: $(cat "$folder/log")"
+done
+[ "$(hash_of "$folder/rails1")" = "$(hash_of "$folder/rails2")" ] || fail "threads do not give the bits of one"
 on_ranks 3 1 "$shared" run "$folder/absent.toml" > "$folder/log" 2>&1
 code=$?
 "$alone" run "$folder/absent.toml" > /dev/null 2>&1

@@ -201,11 +201,13 @@ class Watch final : public StepWatch {
   Seen& to_;
 };
 
-Outcome run(Simulation& sim, int steps) {
+/// Several processes run on between two looks; ahead: how often.
+Outcome run(Simulation& sim, int steps, int& ahead) {
   sim.start();
   for (int k = 0; k < steps; ++k) {
-    const auto failure = sim.advance();
+    const auto failure = sim.advance(false, k + 1 < steps && sim.remote);
     REQUIRE_FALSE(failure);
+    ahead += sim.is_ahead() ? 1 : 0;
   }
   sim.come_home();
   Outcome out;
@@ -224,13 +226,14 @@ Outcome run(Simulation& sim, int steps) {
 /// One task of rank 0 after the other, as ranks/team.cpp does it.
 class Sharing final : public RemoteSteps {
  public:
-  Sharing(Part& part, int& fetched) : part_(part), fetched_(fetched) {}
+  Sharing(Simulation& mine, Part& part, int& fetched) : mine_(mine), part_(part), fetched_(fetched) {}
   void send(Simulation& whole) override {
     order(0);
     part_.receive(&whole);
   }
   void fetch(Simulation& whole) override {
     ++fetched_;
+    CHECK_FALSE(is_ahead());
     order(1);
     part_.give(&whole);
   }
@@ -246,10 +249,11 @@ class Sharing final : public RemoteSteps {
     order(8);
     return part_.stiffness(dt);
   }
-  bool step(double, const std::optional<Domain>& domain, StepReport& report) override {
-    order(3);
-    return part_.step(dt, domain, report);
+  bool step(double, const std::optional<Domain>& domain, bool run_on, StepReport& report) override {
+    order(run_on ? 4 : 3);
+    return part_.step(dt, domain, run_on, report);
   }
+  bool is_ahead() const override { return mine_.is_ahead(); }
   RankFigures figures() override { return {}; }
   static void order(int what) { broadcast(&what, sizeof what); }
   static void follow(Part& part) {
@@ -259,13 +263,14 @@ class Sharing final : public RemoteSteps {
       if (what == 0) part.receive(nullptr);
       if (what == 1) part.give(nullptr);
       if (what == 2 || what == 5) part.give_contacts(nullptr, what == 5);
-      if (what == 3) part.step(dt, std::nullopt, report);
+      if (what == 3 || what == 4) part.step(dt, std::nullopt, what == 4, report);
       if (what == 6 || what == 7) part.totals(what == 7);
       if (what == 8) part.stiffness(dt);
     }
   }
 
  private:
+  Simulation& mine_;  ///< of the part
   Part& part_;
   int& fetched_;  ///< how often the whole state came
 };
@@ -288,10 +293,10 @@ void compare(bool fused, bool shaken, int steps) {
   Sums want_sums, have_sums;
   alone.simulation->observers.push_back(std::make_unique<SumLook>(want_sums, *alone.shapes));
   shared.simulation->observers.push_back(std::make_unique<SumLook>(have_sums, *shared.shapes));
-  const Outcome want = run(*alone.simulation, steps);
-  int fetched = 0;
-  shared.simulation->remote = std::make_unique<Sharing>(part, fetched);
-  const Outcome have = run(*shared.simulation, steps);
+  int fetched = 0, ahead = 0;
+  const Outcome want = run(*alone.simulation, steps, ahead);
+  shared.simulation->remote = std::make_unique<Sharing>(*mine.simulation, part, fetched);
+  const Outcome have = run(*shared.simulation, steps, ahead);
   Sharing::order(9);
   CHECK(have.hash == want.hash);
   CHECK(have.contacts == want.contacts);
@@ -303,6 +308,7 @@ void compare(bool fused, bool shaken, int steps) {
   CHECK(want_seen.size() > 100);
   CHECK(have_sums == want_sums);
   CHECK(want_sums.size() > 20);
+  CHECK((fused && !shaken ? ahead > steps / 2 : ahead == 0));
   CHECK(fetched <= 2 + steps / 100);  // two sorts, a removal, the end: not the looks at contacts and sums
   CHECK(want.touching > 20);
   CHECK(want.dissipated > 0.0);

@@ -169,12 +169,25 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     blocks_.balls().add_virial(world, virial.balls);
   }
 
+  Extent begun() const override { return seen(); }
+  void take_ghosts(World& world, std::span<const Slot> ghosts) override {
+    const Vec3 common = drift_.velocity_at(since_drift_ - 0.5 * dt_);
+    for (const Slot s : ghosts) {
+      predict_bodies(world, lag_, blocks_.late_spins_of_bodies(), s, s + 1);
+      if (!blocks_.balls().empty()) blocks_.balls().place(world, lag_, blocks_.late_spins(), s, s + 1);
+      if (!knows_ways()) continue;
+      double& longest = ways_[s / blocks_.block_size()];
+      longest = std::max(longest, dt_ * double{inverse_half_margin_[s]} * (world.velocity[s] - common).norm());
+    }
+  }
+
   void reorder(const Reordering& change) override {
     generic_->reorder(change);
     blocks_.reorder(change);
   }
   void visit(StateVisitor& visitor) override {
     ahead_ = false;  // it may be another state that comes in
+    ways_.clear();
     generic_->visit(visitor);
     blocks_.visit(visitor);
     visitor.share("spheres/others", others_);
@@ -199,7 +212,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
             blocks_.plain(),
             touched(),
             knows_ways() ? inverse_half_margin_.data() : nullptr,
-            tells_forces_,
+            tells_forces_ || !world.owner.empty(),  // ghosts and bodies that change processes go with theirs
             drift_.velocity_at(since_drift_ + 0.5 * clock.dt),
             *clock.scheme,
             clock.dt,
