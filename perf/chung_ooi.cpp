@@ -214,7 +214,7 @@ int main(int argc, char** argv) {
   spin_tests(errors);
   if (figures.empty()) return 0;
   draw(ScatterPlot{"Chung and Ooi, tests 1 to 8: ours beside the exact or converged answer",
-                   "test (its rows side by side)",
+                   "test, its rows side by side",
                    "error over the scale of the impact [-]",
                    {errors.coarse, errors.fine},
                    {},

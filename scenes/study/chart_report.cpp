@@ -94,7 +94,7 @@ std::string failures(const Chart& chart) {
     out += fmt::format("failed: {} [{}]: {}{}{}\n", p.method.name, p.method.settings(), p.status,
                        p.trouble.empty() ? "" : ": ", p.trouble);
     if (const auto more = std::count_if(here + 1, chart.points.end(), alike); more > 0)
-      out += fmt::format("  and {} more of its settings: {}\n", more, p.status);
+      out += fmt::format("  and {} more settings: {}\n", more, p.status);
   }
   return out;
 }
