@@ -3,27 +3,15 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <sstream>
 
 #include "scenes/plan.h"
+#include "scenes/wrapped_text.h"
 
 namespace epafi {
 
 namespace {
 
 constexpr std::size_t why_width = 40;  ///< beside a cost of 20 characters and the name of a file with a line
-
-/// The words of a text in lines of at most `width` characters; a longer word has a line of its own.
-std::vector<std::string> wrapped(const std::string& text, std::size_t width) {
-  std::istringstream words(text);
-  std::vector<std::string> lines(1);
-  for (std::string word; words >> word;) {
-    if (!lines.back().empty() && lines.back().size() + 1 + word.size() > width) lines.emplace_back();
-    if (!lines.back().empty()) lines.back() += ' ';
-    lines.back() += word;
-  }
-  return lines;
-}
 
 /// A place in the scene's own file without the folder, which the first line names.
 std::string place_text(const Scene& scene, const Place& place) {
