@@ -382,7 +382,7 @@ TEST_CASE("an atlas tells what has moved against its stored tables", "[scenes][s
   };
   replace("../limits", library + "limits");
   replace("[1e3, 1e4, 1e5, 1e6, 1e7]", "[1e6]");
-  replace("0.005 }", "0.2 }");
+  replace("tolerance = 0.005", "tolerance = 0.2");
   write_whole_file(folder / "studies/step.toml", {text});
   std::vector<std::string> said;
   AtlasOrder order{folder / "studies", folder / "atlas", folder / "work", 60.0, 1};
