@@ -74,28 +74,6 @@ TEST_CASE("lists, schema and reference are printed by the program as the tree ha
   CHECK(pages > 5);
 }
 
-namespace {
-/// Rows fit 80 columns; the place in the scene, where a row has one, begins below its heading.
-void check_table_of_costs(const std::string& text, const std::string& file) {
-  std::istringstream lines(text.substr(text.find("\n cost ") + 1));
-  std::string line;
-  std::getline(lines, line);
-  const std::size_t where = line.find("where");
-  REQUIRE(where != line.npos);
-  std::size_t rows = 0;
-  while (std::getline(lines, line) && !line.starts_with(" NOT paid")) {
-    INFO(line);
-    CHECK(line.size() <= 80);
-    if (line.size() <= where) continue;
-    ++rows;
-    const std::string place = line.substr(where);
-    CHECK((place == "default" || place.starts_with(file + ":")));
-    CHECK(line[where - 1] == ' ');
-  }
-  CHECK(rows > 1);
-}
-}  // namespace
-
 TEST_CASE("a starter scene is printed, checked, explained and run by the program", "[scenes][commands]") {
   const TemporaryFolder folder;
   for (const std::string& kind : starter_kinds()) {
@@ -105,9 +83,7 @@ TEST_CASE("a starter scene is printed, checked, explained and run by the program
     const Captured check = captured([&] { return command_check({file.string(), {}}); });
     CHECK(check.code == exit_done);
     CHECK_THAT(check.out, Catch::Contains("time step") && Catch::Contains("memory"));
-    const std::string costs = captured([&] { return command_explain({file.string(), {}}); }).out;
-    CHECK_THAT(costs, Catch::Contains("broad phase"));
-    check_table_of_costs(costs, kind + ".toml");
+    CHECK_THAT(captured([&] { return command_explain({file.string(), {}}); }).out, Catch::Contains("broad phase"));
     RunOptions few;
     few.out = (folder / kind).string();
     few.steps = 5;
