@@ -1,7 +1,8 @@
-/// @file chung_ooi.cpp  The eight impact tests of Chung and Ooi (2011) as one table: exact or converged answer, errors
-/// at 100 and at 4000 steps per contact relative to the scale of the impact, and the answer of bristles. Micro-slip
-/// rows compare with the converged incremental Mindlin law with rescaling; bristles have the full history of partial
-/// slip. Given a folder, writes chung_ooi (errors of all rows) and chung_ooi_4 (svg): perf_chung_ooi docs/figures
+/// @file chung_ooi.cpp  The eight impact tests of Chung and Ooi (2011) as CSV: exact or converged answer, errors at 100
+/// and at 4000 steps per contact relative to the scale of the impact, and the answer of bristles. Micro-slip rows
+/// compare with the converged incremental Mindlin law with rescaling; bristles have the full history of partial slip.
+/// Given a folder, writes chung_ooi (errors of all rows) and chung_ooi_4 (svg) there:
+/// perf_chung_ooi docs/figures > docs/figures/chung_ooi.csv
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -82,15 +83,14 @@ void row(Errors& errors, const char* test, const std::string& what, double exact
          double Outcome::*quantity, double sign, double scale) {
   const double coarse = sign * (shoot(shot, 100).*quantity), fine = sign * (shoot(shot, 4000).*quantity);
   const double at_100 = std::abs(coarse - exact) / scale, at_4000 = std::abs(fine - exact) / scale;
-  std::printf("| %s | %s | %.5g | %.1e | %.1e |", test, what.c_str(), exact, at_100, at_4000);
+  std::printf("%s,\"%s\",%.5g,%.1e,%.1e,", test, what.c_str(), exact, at_100, at_4000);
   errors.add(test, at_100, at_4000);
   if (shot.friction > 0.0) {
     Shot full = shot;
     full.tangential = "mindlin-deresiewicz";
-    std::printf(" %.5g |\n", sign * (shoot(full, 400).*quantity));
-  } else {
-    std::printf(" |\n");
+    std::printf("%.5g", sign * (shoot(full, 400).*quantity));
   }
+  std::printf("\n");
 }
 
 void normal_tests(Errors& errors) {
@@ -205,9 +205,7 @@ void spin_tests(Errors& errors) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::printf(
-      "| test | quantity | exact or converged | error, 100 steps | error, 4000 steps | bristles |\n"
-      "|---|---|---|---|---|---|\n");
+  std::printf("test,quantity,exact,error_100,error_4000,bristles\n");
   const std::string figures = argc > 1 ? argv[1] : "";
   Errors errors;
   normal_tests(errors);
@@ -216,7 +214,7 @@ int main(int argc, char** argv) {
   spin_tests(errors);
   if (figures.empty()) return 0;
   draw(ScatterPlot{"Chung and Ooi, tests 1 to 8: ours beside the exact or converged answer",
-                   "test (its rows side by side)",
+                   "test, its rows side by side",
                    "error over the scale of the impact [-]",
                    {errors.coarse, errors.fine},
                    {},

@@ -168,7 +168,7 @@ void measure_all_needs(const char* folder) {
   const ContactChoice spring{"linear", 1.0, 0, 0, k}, damped{"linear", 0.8, 0, 0, k},
       mindlin{"hertz-mindlin", 0.8, 0.3};
   measure_needs({{"rotation: spins in the velocity", damped, damped, false, true},
-                 {"velocity of the detection: a damper", spring, damped},
+                 {"velocity at the detection: a damper", spring, damped},
                  {"curvature: radius, power 3/2 by it", {"power-law", 1.0, 0, 0, n}, {"hertz", 1.0}},
                  {"area and curvature: overlap volume", damped, {"overlap-volume", 0.8}},
                  {"memory of the normal part", spring, {"walton-braun", 1.0, 0, 0, k}},

@@ -46,7 +46,8 @@ start = time.process_time()
 for _ in range(STEPS):
     array[:, 2].min()
 numpy_alone = time.process_time() - start
-print("processor time of %d steps of 1000 bodies: program %.4f s; Python, one height read from a view after every step %.4f s (%+.2f %%); "
+print("processor time of %d steps of 1000 bodies: program %.4f s; Python, one height read from a view after every step "
+      "%.4f s (%+.2f %%); "
       "the smallest of all %.4f s (%+.2f %%, of which NumPy alone takes %.4f s, %+.2f %%); state %s" %
       (STEPS, min(program), min(views), 100 * (min(views) / min(program) - 1), min(minima),
        100 * (min(minima) / min(program) - 1), numpy_alone, 100 * numpy_alone / min(program), runs[0][1]))

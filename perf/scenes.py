@@ -82,7 +82,8 @@ motion = {{ rotation = {{ axis = [0, 0, 1], rate = {rate}, about = [0, 0, 0] }} 
 
 
 def cell(edge, count, more, velocity="", **law):
-    domain = f'[world]\ndomain = {{ min = [0, 0, 0], max = [{edge}, {edge}, {edge}], periodic = ["x", "y", "z"]{more} }}\n'
+    periodic = 'periodic = ["x", "y", "z"]'
+    domain = f'[world]\ndomain = {{ min = [0, 0, 0], max = [{edge}, {edge}, {edge}], {periodic}{more} }}\n'
     return head(**law) + domain + fill(count, [0, 0, 0], [edge, edge, edge], velocity)
 
 
@@ -165,7 +166,8 @@ def main():
         reference = Scene(program, folder, "bed")
         last = reference.nanoseconds()
         print(f"bed: {last[0]:.1f} ns a body and step, {last[1]:.1f} a contact; beds: multiples of these")
-        print(f"{'scene':28} {'bodies':>7} {'ns':>8} {'beds':>6} {'a contact':>10} {'beds':>6} {'open energy':>12}  threads")
+        print(f"{'scene':28} {'bodies':>7} {'ns':>8} {'beds':>6} {'a contact':>10} {'beds':>6} {'open energy':>12}  "
+              f"threads")
         for name in ROWS:
             if name == "bed" or (wanted and not any(w in name for w in wanted)):
                 continue

@@ -160,7 +160,8 @@ ALL = """(async () => {
 })()"""
 # Fields of 32 x 18 in which something else than the background is seen.
 FIELDS = """(() => {
-  const gl = epafi.renderer.getContext(), w = gl.drawingBufferWidth, h = gl.drawingBufferHeight, p = new Uint8Array(4 * w * h);
+  const gl = epafi.renderer.getContext(), w = gl.drawingBufferWidth, h = gl.drawingBufferHeight;
+  const p = new Uint8Array(4 * w * h);
   gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, p);
   const seen = new Set();
   for (let y = 0; y < h; ++y) for (let x = 0; x < w; ++x)

@@ -95,7 +95,7 @@ void set_broad_phase(Assembly& a) {
   auto* list = dynamic_cast<ListBroadPhase*>(broad_phase.get());
   if (list && a.plan.fused_spheres) {
     static_cast<void>(broad_phase.release());  // `list` has it
-    broad_phase = std::make_unique<WornPairs>(std::unique_ptr<ListBroadPhase>(list), a.simulation->pipeline);
+    broad_phase = std::make_unique<BlockBoundPairs>(std::unique_ptr<ListBroadPhase>(list), a.simulation->pipeline);
   }
   a.simulation->pipeline.broad_phase = std::move(broad_phase);
 }

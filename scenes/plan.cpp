@@ -311,43 +311,4 @@ StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes, bool ma
   return plan;
 }
 
-namespace {
-std::string memory_text(const MemoryPlan& m, const ShapeStore& shapes) {
-  std::string out = fmt::format(
-      " per body {} B, per contact {} B\n beside these {} B per body and {} B per listed pair for the search of "
-      "neighbours",
-      m.body, m.contact, m.list, m.pair);
-  if (const std::size_t hulls = shapes.of<ConvexHull>().size(); hulls > 0)
-    out += fmt::format(", {} B for each of {} polyhedra", polyhedra_bytes(shapes) / hulls, hulls);
-  return out + "\n";
-}
-}  // namespace
-
-std::string explain(const Scene& scene, const StepPlan& plan, const ShapeStore& shapes) {
-  std::string out =
-      fmt::format("{}: {} contact, {} bodies{}\n", scene.file,
-                  scene.contact.method.value == Method::smooth ? "smooth" : "non-smooth", scene.bodies.size(),
-                  scene.fills.empty() ? "" : fmt::format(" and those of {} [[fill]]", scene.fills.size()));
-  const auto where = [](const Place& p) {
-    return p.line > 0 ? fmt::format("{}:{}", p.file, p.line) : std::string("default");
-  };
-  out += fmt::format(" {:<20} {:<60} {}\n", "cost", "why", "where");
-  for (const auto& c : plan.costs) out += fmt::format(" {:<20} {:<60} {}\n", c.name, c.why, where(c.where));
-  out += fmt::format(" {:<20} {:<60} {}\n", plan.broad_phase, "broad phase: " + plan.broad_phase_reason,
-                     where(scene.detection.broad_phase.place));
-  out += " NOT paid: ";
-  for (std::size_t i = 0; i < plan.not_paid.size(); ++i) out += (i > 0 ? ", " : "") + plan.not_paid[i];
-  out += "\n pairs:";
-  for (const auto& p : plan.pair_cells) out += fmt::format(" {}-{} ({})", p.a, p.b, p.method);
-  if (plan.fused_spheres) {
-    const bool has_clumps =
-        std::ranges::any_of(scene.shapes, [](const ShapeSpec& shape) { return balls_of_clump(shape) > 0; });
-    out += fmt::format(
-        "\n loop of spheres: contacts among {}spheres{} and with fixed half-spaces; all other pairs: generic loop",
-        plan.fused_held ? "" : "free ", has_clumps ? ", balls of clumps" : "");
-  } else if (!plan.without_fused_spheres.empty())
-    out += "\n loop of spheres: not used, as there are " + plan.without_fused_spheres;
-  return out + "\n" + memory_text(plan.memory, shapes);
-}
-
 }  // namespace epafi

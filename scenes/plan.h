@@ -1,5 +1,5 @@
-/// @file plan.h  What a scene makes the engine do, and nothing more: derived from what it declares, printed by `epafi
-/// explain`.
+/// @file plan.h  What a scene makes the engine do, and nothing more: derived from what it declares.
+/// `plan_text.cpp` prints it for `epafi explain`.
 #pragma once
 #include <string>
 #include <vector>
@@ -49,7 +49,7 @@ std::size_t balls_of_clump(const ShapeSpec& shape);
 /// may_fuse: false where spheres shall not take their own loop.
 StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes, bool may_fuse = true);
 
-/// The text of `epafi explain`. shapes: those of the scene.
+/// The text of `epafi explain`, for a terminal of 80 columns. shapes: those of the scene.
 std::string explain(const Scene& scene, const StepPlan& plan, const ShapeStore& shapes);
 
 }  // namespace epafi

@@ -7,10 +7,10 @@
 
 namespace epafi {
 
-void WornPairs::find_pairs(const World& world, PairList& pairs) {
+void BlockBoundPairs::find_pairs(const World& world, PairList& pairs) {
   const bool grown = list_->take_in(world, pairs);
   const std::uint64_t before = pairs.generation;
-  const bool measured = grown && list_->bodies().are_round();  // one look for both
+  const bool measured = grown && list_->bodies().are_round();  // one pass for both
   if (measured)
     used_up_ = measure(world);
   else if (!used_up_.out && !list_->keeps_pairs(world))
@@ -22,7 +22,7 @@ void WornPairs::find_pairs(const World& world, PairList& pairs) {
   used_up_ = {};
   if (!measured) used_margin_.clear();
   const bool fresh = pairs.generation != before;
-  if (!fresh && !ways_known_ && !grown) return;  // what the list has gone through is not known then
+  if (!fresh && !displacements_known_ && !grown) return;  // how much of the margin is used is not known then
   if (FusedSpheres* const m = model()) m->expect(list_->bodies().common_motion(world.time));
   if (fresh)
     used_margin_.assign(blocks(world), 0.0);
@@ -30,12 +30,16 @@ void WornPairs::find_pairs(const World& world, PairList& pairs) {
     measure(world);
 }
 
-std::size_t WornPairs::block_size() const { return model() ? model()->block_size() : SphereBlocks::largest_block; }
+std::size_t BlockBoundPairs::block_size() const {
+  return model() ? model()->block_size() : SphereBlocks::largest_block;
+}
 
-std::size_t WornPairs::blocks(const World& world) const { return (world.size() + block_size() - 1) / block_size(); }
+std::size_t BlockBoundPairs::blocks(const World& world) const {
+  return (world.size() + block_size() - 1) / block_size();
+}
 
 /// Takes used_margin_ from where the bodies are.
-ListState WornPairs::measure(const World& world) {
+ListState BlockBoundPairs::measure(const World& world) {
   const FatBodies& bodies = list_->bodies();
   const auto at = [&](std::size_t s) -> const Vec3& { return world.position[s]; };
   const ListFrame now = bodies.frame(world);
@@ -52,9 +56,9 @@ ListState WornPairs::measure(const World& world) {
   return state;
 }
 
-/// What is known of the ways so far holds for this step too: bodies went nowhere else. A cell that has grown has drawn
-/// the ways out with it.
-bool WornPairs::goes_on(const World& world) {
+/// Whether the bounds so far hold for this step too: no body was put back into a periodic cell. The growth of a cell
+/// stretches them.
+bool BlockBoundPairs::keep_bounds(const World& world) {
   if (!world.cell) return true;
   if (wraps_ != world.wraps) {
     wraps_ = world.wraps;
@@ -68,12 +72,12 @@ bool WornPairs::goes_on(const World& world) {
   return true;
 }
 
-bool WornPairs::keeps_pairs(const World& world) {
+bool BlockBoundPairs::keeps_pairs(const World& world) {
   list_->see_time(world.time);
-  const std::span<const double> ways = model() ? model()->largest_ways() : std::span<const double>{};
-  ways_known_ = !ways.empty() && list_->bodies().bodies() == world.size();
-  const bool known = goes_on(world);
-  if (!known || !ways_known_ || used_margin_.size() != ways.size()) {
+  const std::span<const double> displacements = model() ? model()->largest_displacements() : std::span<const double>{};
+  displacements_known_ = !displacements.empty() && list_->bodies().bodies() == world.size();
+  const bool known = keep_bounds(world);
+  if (!known || !displacements_known_ || used_margin_.size() != displacements.size()) {
     used_margin_.clear();
     return false;
   }
@@ -82,10 +86,10 @@ bool WornPairs::keeps_pairs(const World& world) {
   doubtful_.clear();
   const FatBodies& bodies = list_->bodies();
   const ListFrame now = bodies.frame(world);
-  // what the cell flows past: ways of bodies that are held, and of a frame that drifts
+  // what the cell flows past: displacements of bodies that are held, and of a frame that drifts
   const bool all = now.flows() && (bodies.holds_bounded() || !now.common.isZero(0.0));
-  for (std::size_t b = 0; b < ways.size(); ++b)
-    if ((used_margin_[b] += ways[b]) + now.strain_use >= nearly || all) doubtful_.push_back(b);
+  for (std::size_t b = 0; b < displacements.size(); ++b)
+    if ((used_margin_[b] += displacements[b]) + now.strain_use >= nearly || all) doubtful_.push_back(b);
   const auto at = [&](std::size_t s) -> const Vec3& { return world.position[s]; };
   std::vector<MarginUse>& found = block_results<MarginUse>(doubtful_.size(), MarginUse{});
   parallel_for(

@@ -11,13 +11,13 @@
 
 namespace epafi {
 
-/// The list of a scene with many spheres, and half-spaces that may move: while the ways that the model knows of add up
-/// to less than the margins in a block nobody looks at its bodies (of 100 000 spheres a look, and the positions written
-/// for it, are a fifth of all bytes of a step).
-class WornPairs final : public BroadPhase {
+/// The list of a scene with many spheres, and half-spaces that may move. The positions of a block are read only when
+/// its displacement bound, a sum of largest displacements per step, reaches the margin: to read all positions, and to
+/// write them for it, is a fifth of the bytes of a step of 100 000 spheres.
+class BlockBoundPairs final : public BroadPhase {
  public:
   /// The model is that of the pipeline, whichever it has; the pipeline must outlive this.
-  WornPairs(std::unique_ptr<ListBroadPhase> list, const Pipeline& pipeline)
+  BlockBoundPairs(std::unique_ptr<ListBroadPhase> list, const Pipeline& pipeline)
       : list_(std::move(list)), pipeline_(pipeline) {}
   const char* name() const override { return list_->name(); }
   void find_pairs(const World& world, PairList& pairs) override;
@@ -33,7 +33,7 @@ class WornPairs final : public BroadPhase {
   }
 
  private:
-  bool goes_on(const World& world);
+  bool keep_bounds(const World& world);
   std::size_t block_size() const;
   std::size_t blocks(const World& world) const;
   ListState measure(const World& world);
@@ -44,11 +44,11 @@ class WornPairs final : public BroadPhase {
   const Pipeline& pipeline_;
   std::vector<double>
       used_margin_;  ///< by block of the model: at least the largest used_margin of its bodies; empty: not known
-  bool ways_known_ = false;            ///< in this step
+  bool displacements_known_ = false;   ///< in this step
   Vec3 cell_size_ = Vec3::Zero();      ///< as used_margin_ knows it, in a periodic cell [m]
-  std::vector<Wraps> wraps_;           ///< the same: whoever was put back into the cell has gone elsewhere
-  ListState used_up_;                  ///< what was seen when the list ended
-  std::vector<std::size_t> doubtful_;  ///< blocks whose bodies are to be looked at
+  std::vector<Wraps> wraps_;           ///< the same: bodies put back into the cell have moved by an edge of it
+  ListState used_up_;                  ///< state of the list when it ended
+  std::vector<std::size_t> doubtful_;  ///< blocks whose bound has reached the margin
 };
 
 class SphereSplit final : public NarrowPhase {

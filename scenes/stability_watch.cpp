@@ -76,10 +76,10 @@ class StabilityWatch final : public StepWatch {
  private:
   struct State {  // plain: one value of the checkpoint
     std::uint64_t next_look = 0;
-    double known = 0.0;    ///< largest overlap of the looks [m]
+    double known = 0.0;    ///< largest overlap at a check [m]
     double deepest = 0.0;  ///< of the last step [m]
     int parts = 1;
-    int unstable = 0;  ///< looks one after the other
+    int unstable = 0;  ///< consecutive checks above the limit
   };
   StiffestMode mode(const StepView& view, int parts, double enough) {
     source_.read(view.world, view.pieces(), view.dt / parts, links_);

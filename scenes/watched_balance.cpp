@@ -49,7 +49,7 @@ double WatchedBalance::rounding_energy(const StepView& view) const {
   return 0.5 * static_cast<double>(view.step) * all.mass.value() * speed * speed;
 }
 
-/// E_ref of the looks [J]. The spread is that of the bodies' motion: where some come or go the potential energy jumps.
+/// E_ref of the checks [J]. The spread is that of the bodies' motion: where some come or go the potential energy jumps.
 double WatchedBalance::reference(const StepView& view) {
   const Energy& now = view.ledger.last();
   const double bodies = static_cast<double>(view.world.size());

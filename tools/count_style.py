@@ -19,6 +19,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SOURCES = {".h", ".cpp"}
+LINES_COUNTED = SOURCES | {".css", ".html", ".js", ".mjs", ".py", ".toml"}  # but not data of tests
 MOST_LINES_OF_A_FILE = 500
 MOST_LINES_OF_A_FUNCTION = 50
 MOST_CHARACTERS_OF_A_LINE = 120
@@ -210,6 +211,8 @@ def find_all():
                 places["files"].append((name, 1, f"{len(lines)} lines"))
             places["functions"] += [(name, line, f"{length} lines") for line, length in long_functions(lines)]
             places["chains"] += [(name, line, lines[line - 1].strip()) for line in comma_chains(lines)]
+        if path.suffix in LINES_COUNTED and not name.startswith("tests/data/"):
+            lines = path.read_text(errors="replace").splitlines()
             places["lines"] += [(name, number, f"{len(line)} characters") for number, line in enumerate(lines, 1)
                                 if len(line) > MOST_CHARACTERS_OF_A_LINE]
     return places

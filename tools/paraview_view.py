@@ -60,7 +60,9 @@ for kind, indices in found.items():
             surface = Show(part, view)
             fixed = servermanager.Fetch(part)
             speed = part.CellData.GetArray("speed")
-            if speed is not None and speed.GetRange(0)[1] == 0.0 and len(indices) > 0 and kind == "surfaces" and index == max(i for v in found.values() for i in v):
+            at_rest = speed is not None and speed.GetRange(0)[1] == 0.0
+            is_last = len(indices) > 0 and index == max(i for v in found.values() for i in v)
+            if at_rest and kind == "surfaces" and is_last:
                 surface.Opacity = 0.15  # walls come last in a frame
             else:
                 ColorBy(surface, ("CELLS", "speed"))

@@ -98,7 +98,7 @@ struct FatBodies {
   UnwrittenColumn<Ball> ball;  ///< fat, about the centre of mass [m]; behind the bodies those of images
   std::vector<double> half;    ///< as half_of; with boxes
   std::vector<double> radius;  ///< bounding radius of the shape [m], infinite for half-spaces; with boxes
-  std::vector<float> inverse_half_margin;  ///< 1/half the margin or little more [1/m]; of a margin of 0
+  std::vector<float> inverse_half_margin;  ///< reciprocal of half the margin, rounded up [1/m]; of 0:
                                            ///< largest_inverse_half_margin; no images
   std::vector<CellImage> images;           ///< of bodies, in a periodic cell
   std::vector<std::uint32_t> id;
@@ -174,7 +174,7 @@ struct FatBodies {
   bool holds_bounded() const { return holds_bounded_; }
   /// Of the bodies from slot `first` on.
   double largest_margin(std::size_t first = 0) const;
-  /// All are spheres and half-spaces: used_margin and plane_use say all of their ways.
+  /// All are spheres and half-spaces: used_margin and plane_use hold all of their displacements.
   bool are_round() const { return round_; }
   /// From `now` on: the frame in which margins hold.
   CommonMotion common_motion(double now) const {

@@ -18,7 +18,7 @@ struct GapRows {
   std::vector<Vec3> normal;                ///< unit, from the first surface to the second
   std::vector<std::uint32_t> begin, node;  ///< CSR over candidates
   std::vector<double> weight;
-  std::vector<double> area;  ///< of the second surface that the candidate stands for [m^2]; empty: not told
+  std::vector<double> area;  ///< of the second surface that the candidate stands for [m^2]; empty: unknown
   void clear() {
     gap.clear();
     normal.clear();

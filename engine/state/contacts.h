@@ -43,9 +43,9 @@ struct PairList {
   PairColumn pairs;
   double margin =
       0.0;  ///< the list holds every pair that comes closer than reach while displacements stay below margin/2 [m]
-  std::uint64_t generation = 0;  ///< grows when the list changes: whoever derives data from it derives it again
-  /// By slot 1/half the body's own margin [1/m] or little more; empty: `margin` for all. Those of the broad phase,
-  /// until it makes the next list or lets go of it.
+  std::uint64_t generation = 0;  ///< grows when the list changes: data derived from it are stale then
+  /// Per slot: reciprocal of half the body's margin [1/m], rounded up; empty: `margin` for all. Held by the broad
+  /// phase until it makes the next list or releases this one.
   std::span<const float> inverse_half_margin{};
   SpherePairs spheres{};  ///< not among `pairs`; empty where no contact model takes them
   /// By how much the bodies of a pair may come closer while the list lasts [m].

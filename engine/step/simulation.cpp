@@ -135,8 +135,8 @@ bool Simulation::nobody_looks() const {
   });
 }
 
-/// The domain as this step sees it: none between two looks for bodies to be taken out, whoever looks meanwhile. Those
-/// that stand outside from the start are seen in the first step.
+/// The domain as this step checks it: none between two searches for bodies to remove. Bodies that are outside from the
+/// start are found in the first step.
 const std::optional<Domain>& Simulation::watched() const {
   static const std::optional<Domain> none;
   const std::uint64_t step = steps_ + before_;

@@ -53,7 +53,7 @@ struct Tally {
 };
 
 /// Takes out every free body whose centre is in a box, and counts it. A removal lays all bodies, pairs and springs out
-/// anew: it looks every `steps` steps only, or as often as the fastest body needs for a fiftieth of the box's thinnest
+/// anew: it acts every `steps` steps only, or as often as the fastest body needs for a fiftieth of the box's thinnest
 /// side, so that none comes far or passes unseen.
 class Outlet final : public Event {
  public:

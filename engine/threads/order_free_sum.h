@@ -1,5 +1,5 @@
 /// @file order_free_sum.h  Sums whose bits depend on the terms alone: not on their order, on blocks or on who adds
-/// them. For every sum that steers the motion; engine/threads/parallel.h block_sum is for what is only told.
+/// them. For every sum that steers the motion; engine/threads/parallel.h block_sum is for sums that are only reported.
 /// Each term is split into three whole numbers of 31 bits on a fixed grid of powers of two, as high as the largest term
 /// needs, and whole numbers add up without rounding (pre-rounded sums: Demmel and Nguyen 2015, with integers). Parts on
 /// a lower grid are the same whole numbers once their last ones are dropped.

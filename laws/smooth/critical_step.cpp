@@ -132,9 +132,8 @@ StepLimit critical_step(const SmoothSetup& setup, const MaterialPair& pair, cons
   const double dashpot = std::max(slope.dashpot, sideways);
   const double by_damping = dashpot > 0.0 ? 0.5 * moved_mass(c) / dashpot : by_time;
   out.auto_step = std::min(by_time, by_damping);
-  const std::string who = "contact " + pair.a.name + "-" + pair.b.name;
-  out.reason = number(c.part, "of the contact time ") + number(out.impact.contact_time, "s of ") + who;
-  if (out.auto_step < by_time) out.reason = "half of m*/c of the damper of " + who;
+  out.reason = number(c.part, "of its contact time ") + number(out.impact.contact_time, "s");
+  if (out.auto_step < by_time) out.reason = "half of m*/c of its damper";
   if (law.is_hertzian) out.reason += " at " + number(c.speed, "m/s");
   return out;
 }

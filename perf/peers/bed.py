@@ -42,10 +42,12 @@ def settle():
 def write_inputs(bed, side):
     write_csv(os.path.join(o.out, "bodies.csv"), bed)
     with open(os.path.join(o.out, "bed.toml"), "w") as f:
-        f.write('title = "Settled bed"\nrun = { duration = %.9g, time_step = %g, output_interval = 1.0 }\nworld = { gravity = [0, 0, -9.81] }\n'
+        f.write('title = "Settled bed"\nrun = { duration = %.9g, time_step = %g, output_interval = 1.0 }\n'
+                'world = { gravity = [0, 0, -9.81] }\n'
                 % ((o.warm + o.steps + 0.5) * STEP, STEP))
         f.write("material.bead = { density = %g, youngs_modulus = %g, poissons_ratio = %g }\n" % (DENSITY, E, NU))
-        f.write('contact = { method = "smooth", restitution = %g, friction = %g, smooth = { law = "hertz-mindlin" } }\n' % (RESTITUTION, FRICTION))
+        f.write('contact = { method = "smooth", restitution = %g, friction = %g, smooth = { law = "hertz-mindlin" } }\n'
+                % (RESTITUTION, FRICTION))
         f.write(box_of_planes(side, "bead"))
         f.write('[[bodies]]\nname = "bed"\nfile = "bodies.csv"\nmaterial = "bead"\n')
         f.write('[[measure]]\nname = "middle"\nkind = "position"\nbody = "bed"\ninterval = %.9g\n' %
@@ -75,11 +77,13 @@ def write_inputs(bed, side):
 
 YADE = """import math, resource
 bodies = [tuple(map(float, line.split(","))) for line in open("bodies.csv").readlines()[1:]]
-bead = O.materials.append(FrictMat(young=%(E)g, poisson=%(nu)g, density=%(density)g, frictionAngle=math.atan(%(friction)g)))
+bead = O.materials.append(FrictMat(young=%(E)g, poisson=%(nu)g, density=%(density)g,
+                                   frictionAngle=math.atan(%(friction)g)))
 for x, y, z, r in bodies:
     O.bodies.append(sphere((x, y, z), r, material=bead))
 for axis in (0, 1):
-    O.bodies.append(wall(0, axis=axis, sense=1, material=bead)), O.bodies.append(wall(%(side).17g, axis=axis, sense=-1, material=bead))
+    O.bodies.append(wall(0, axis=axis, sense=1, material=bead))
+    O.bodies.append(wall(%(side).17g, axis=axis, sense=-1, material=bead))
 O.bodies.append(wall(0, axis=2, sense=1, material=bead))
 law = [Ip2_FrictMat_FrictMat_MindlinPhys(en=%(restitution)g)], [Law2_ScGeom_MindlinPhys_Mindlin()]
 O.engines = [ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()], verletDist=%(skin)g),
@@ -92,7 +96,8 @@ before = used()
 O.run(%(steps)d, True)
 seconds, n = used() - before, len(bodies)
 touching = sum(2 for i in O.interactions if i.isReal and max(i.id1, i.id2) < n)
-height = sum(O.bodies[k].state.pos[2] * O.bodies[k].state.mass for k in range(n)) / sum(O.bodies[k].state.mass for k in range(n))
+states = [O.bodies[k].state for k in range(n)]
+height = sum(s.pos[2] * s.mass for s in states) / sum(s.mass for s in states)
 print("RESULT", seconds, touching / n, height)
 """
 
@@ -122,7 +127,8 @@ def run_epafi():
     folder = os.path.join(o.out, "epafi")
     export(program, folder)
     neighbours = touching_neighbours(last_snapshot(folder))
-    return 1e9 * last["cpu_time"] / (last["steps"] - first["steps"]) / o.n, neighbours, last["measures"]["middle"]["z"]["last"]
+    time = 1e9 * last["cpu_time"] / (last["steps"] - first["steps"]) / o.n
+    return time, neighbours, last["measures"]["middle"]["z"]["last"]
 
 
 bed, side = settle()

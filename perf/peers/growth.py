@@ -27,8 +27,10 @@ world = { gravity = [0, 0, -9.81] }
 material.bead = { density = 2500, youngs_modulus = 5e6, poissons_ratio = 0.3 }
 contact = { method = "smooth", restitution = 0.6, friction = 0.5, smooth = { law = "hertz-mindlin" } }
 """
-WALL = '[[body]]\nshape = { half_space = { normal = [%g, %g, %g] } }\nmaterial = "bead"\nfixed = true\nposition = [%.17g, %.17g, 0]\n'
-BODIES = '[[bodies]]\nname = "bed"\nfile = "bodies.csv"\nmaterial = "bead"\n[[measure]]\nname = "middle"\nkind = "position"\nbody = "bed"\ninterval = 1e3\n'
+WALL = ('[[body]]\nshape = { half_space = { normal = [%g, %g, %g] } }\nmaterial = "bead"\nfixed = true\n'
+        'position = [%.17g, %.17g, 0]\n')
+BODIES = ('[[bodies]]\nname = "bed"\nfile = "bodies.csv"\nmaterial = "bead"\n'
+          '[[measure]]\nname = "middle"\nkind = "position"\nbody = "bed"\ninterval = 1e3\n')
 
 
 def tiles(number, parts):
@@ -82,7 +84,8 @@ sizes = [write_scene(folder, number, beds, o.steps) for folder, number in zip(fo
 turns = [[run(o.program, folder, n, o.steps) for folder, n in zip(folders, sizes)] for _ in range(o.repeats)]
 rows = [(n, [turn[k][0] for turn in turns], turns[-1][k][1]) for k, n in enumerate(sizes)]
 base = next((statistics.median(t) for n, t, _ in rows if n == 10000), None)
-lines = ["| spheres | ns per sphere and step | smallest, largest | over 10 000 | peak [B per sphere] | explain [B] | height [mm] | overlap [% of R] |", "|---" * 8 + "|"]
+lines = ["| spheres | ns per sphere and step | smallest, largest | over 10 000 | peak [B per sphere] | explain [B] | "
+         "height [mm] | overlap [% of R] |", "|---" * 8 + "|"]
 for (n, times, s), folder in zip(rows, folders):
     middle = statistics.median(times)
     lines.append("| %d | %.1f | %.1f, %.1f | %s | %.0f | %.0f | %.3f | %.2f |" % (

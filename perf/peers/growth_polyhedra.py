@@ -34,15 +34,16 @@ file = "tiles.polyset"
 material = "stone"
 """
 THICK = 0.2
-WALL = '{ shape = { half_space = { normal = [%g, %g, %g] } }, material = "stone", position = [%.17g, %.17g, 0], fixed = true }'
-BETWEEN = '{ shape = { box = { size = [%.17g, %.17g, 4] } }, material = "stone", position = [%.17g, %.17g, 2], fixed = true }'
+WALL = ('{ shape = { half_space = { normal = [%g, %g, %g] } }, material = "stone", position = [%.17g, %.17g, 0], '
+        'fixed = true }')
+BETWEEN = ('{ shape = { box = { size = [%.17g, %.17g, 4] } }, material = "stone", position = [%.17g, %.17g, 2], '
+           'fixed = true }')
 
 
 def settled(program, out):
     """Of each of the 1000 bodies at rest the words of its first line and its other lines; the side of their box [m]."""
-    run, polyset, source = os.path.join(out, "settled"), os.path.join(out,
-                                                                      "settled.polyset"), os.path.join(PILE,
-                                                                                                       "poly_1000.polyset")
+    run, polyset = os.path.join(out, "settled"), os.path.join(out, "settled.polyset")
+    source = os.path.join(PILE, "poly_1000.polyset")
     if not os.path.exists(polyset):
         scene = os.path.join(PILE, "polyhedra.toml")
         step = "run.time_step=%.17g" % (1 / 240)

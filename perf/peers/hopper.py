@@ -77,7 +77,8 @@ interval = %.9g
     top = bodies[:, 2].max() + 0.05
     atoms = "".join("%d 1 %.17g %g %.17g %.17g %.17g\n" % (k + 1, 2 * r, DENSITY, x, y, z)
                     for k, (x, y, z, r) in enumerate(bodies))
-    write("hopper.data", "settled hopper\n\n%d atoms\n1 atom types\n\n-0.076 0.076 xlo xhi\n-0.076 0.076 ylo yhi\n-0.3 %.9g zlo zhi\n\nAtoms\n\n%s"
+    write("hopper.data", "settled hopper\n\n%d atoms\n1 atom types\n\n-0.076 0.076 xlo xhi\n-0.076 0.076 ylo yhi\n"
+                         "-0.3 %.9g zlo zhi\n\nAtoms\n\n%s"
           % (len(bodies), top, atoms))
     common = """read_data hopper.data
 neighbor %g bin
@@ -96,17 +97,21 @@ run ${steps}
 """ % (o.skin, STEP, o.steps // PARTS, o.warm)
     shear = E / (2 * (1 + NU))
     law = "%.6g %.6g 3e5 3e5 %g 1" % (4 / 3 * E / (2 * (1 - NU**2)), 8 * shear / (2 * (2 - NU)), FRICTION)
-    walls = "region cyl cylinder z 0 0 0.07 0.05 %.9g side in units box open 1 open 2\nregion con cone z 0 0 0.02 0.07 0.0 0.05 side in units box open 1 open 2\n" % top
+    walls = ("region cyl cylinder z 0 0 0.07 0.05 %.9g side in units box open 1 open 2\n"
+             "region con cone z 0 0 0.02 0.07 0.0 0.05 side in units box open 1 open 2\n" % top)
     walls += "".join("fix %s all wall/gran/region hertz/history %s region %s\n" % (r, law, r) for r in ("cyl", "con"))
-    write("hopper.lammps", "units si\natom_style sphere\natom_modify map array sort 500 0.006\nboundary f f m\nnewton on\ncomm_modify vel yes\n"
+    write("hopper.lammps", "units si\natom_style sphere\natom_modify map array sort 500 0.006\nboundary f f m\n"
+                           "newton on\ncomm_modify vel yes\n"
           + common % ("pair_style gran/hertz/history %s\npair_coeff * *\n%s" % (law, walls),
                       'variable inside atom "mass*(z > 0.0)"'))
     properties = "".join("fix m%d all property/global %s\n" % (k, p) for k, p in enumerate(
         ("youngsModulus peratomtype %g" % E, "poissonsRatio peratomtype %g" % NU,
          "coefficientRestitution peratomtypepair 1 %g" % RESTITUTION,
          "coefficientFriction peratomtypepair 1 %g" % FRICTION)))
-    walls = "fix mesh all mesh/surface file hopper.stl type 1\nfix wall all wall/gran model hertz tangential history mesh n_meshes 1 meshes mesh"
-    write("hopper.liggghts", "atom_style granular\natom_modify map array sort 500 0.006\nboundary f f m\nnewton off\ncommunicate single vel yes\nunits si\n"
+    walls = ("fix mesh all mesh/surface file hopper.stl type 1\n"
+             "fix wall all wall/gran model hertz tangential history mesh n_meshes 1 meshes mesh")
+    write("hopper.liggghts", "atom_style granular\natom_modify map array sort 500 0.006\nboundary f f m\nnewton off\n"
+                             "communicate single vel yes\nunits si\n"
           + common % (properties + "pair_style gran model hertz tangential history\npair_coeff * *\n" + walls,
                       "variable inside atom mass*(z>0.0)"))
 
@@ -143,7 +148,8 @@ def run_epafi():
 
 
 YADE = """import math, resource
-bead = O.materials.append(FrictMat(young=%(E)g, poisson=%(nu)g, density=%(density)g, frictionAngle=math.atan(%(friction)g)))
+bead = O.materials.append(FrictMat(young=%(E)g, poisson=%(nu)g, density=%(density)g,
+                                   frictionAngle=math.atan(%(friction)g)))
 for line in open("bodies.csv").readlines()[1:]:
     x, y, z, r = map(float, line.split(","))
     O.bodies.append(sphere((x, y, z), r, material=bead))

@@ -26,7 +26,8 @@ MINDLIN = " tangential mindlin NULL 1.0 0.5"
 # Epafi's [contact.smooth]; pair style granular of LAMMPS (%g: modulus; none for jkr and for several types, where our
 # inputs give no valid run; its surface energy is half our work of adhesion); pair style gran of LIGGGHTS
 LAWS = {
-    "hertz": ('law = "hertz"', "hertz/material %g " + RESTITUTION + " 0.3" + MINDLIN + " damping tsuji", "hertz tangential history"),
+    "hertz": ('law = "hertz"', "hertz/material %g " + RESTITUTION + " 0.3" + MINDLIN + " damping tsuji",
+              "hertz tangential history"),
     "linear": ('law = "linear"\nstiffness = 1000', "hooke 1000 0.6 tangential linear_history 286 0 0.5 damping tsuji",
                "hooke tangential history"),
     "hunt-crossley": ('law = "hunt-crossley"\nreference_speed = 1', "", ""),
@@ -34,13 +35,15 @@ LAWS = {
                       "hertz/material %g 100 0.3" + MINDLIN + " damping viscoelastic", ""),
     "power-law": ('law = "power-law"\nexponent = 1.5\nstiffness = 2e4', "", ""),
     "walton-braun": ('law = "walton-braun"\nstiffness = 1000', "", ""),
-    "dmt": ('law = "dmt"\nwork_of_adhesion = 0.05', "dmt %g " + RESTITUTION + " 0.3 0.025" + MINDLIN + " damping tsuji", ""),
+    "dmt": ('law = "dmt"\nwork_of_adhesion = 0.05', "dmt %g " + RESTITUTION + " 0.3 0.025" + MINDLIN
+            + " damping tsuji", ""),
     "jkr": ('law = "jkr"\nwork_of_adhesion = 0.05', "", "hertz tangential history cohesion sjkr"),
     "located edges": ('law = "hertz"\nlocate_edges = true', "", ""),
     "mindlin-dashpot": ('law = "hertz"\ntangential = "mindlin-dashpot"', "", ""),
     "mindlin-deresiewicz": ('law = "hertz"\ntangential = "mindlin-deresiewicz"', "", ""),
     "rolling spring": ('law = "hertz"\nrolling = "spring"',
-                       "hertz/material %g " + RESTITUTION + " 0.3" + MINDLIN + " rolling sds 100 0.001 0.1 damping tsuji",
+                       "hertz/material %g " + RESTITUTION + " 0.3" + MINDLIN
+                       + " rolling sds 100 0.001 0.1 damping tsuji",
                        "hertz tangential history rolling_friction epsd2"),
     "2 materials": ('law = "hertz"', "", "hertz tangential history"),
     "5 materials": ('law = "hertz"', "", "hertz tangential history"),

@@ -78,7 +78,8 @@ def run(method):
 
 def main():
     exact = read_exact(o.corpus)
-    lines = ["| library | ns | failed | wrong class, 1e-6 | 1e-12 | depth off by 1e-6 | by 1 % | distance off by 1e-6 | by 1 % |", "|---" * 9 + "|"]
+    lines = ["| library | ns | failed | wrong class, 1e-6 | 1e-12 | depth off by 1e-6 | by 1 % | distance off by 1e-6 "
+             "| by 1 % |", "|---" * 9 + "|"]
     seen = {m: [] for m in METHODS}
     for _ in range(o.repeats):
         for m in METHODS:
@@ -92,7 +93,8 @@ def main():
         for r in csv.DictReader(line for line in file if line[0] != "#"):
             cells = list(r.values())
             lines.append("| *%s, 1630 pairs* | *%s* | %s |" % (cells[0], cells[1], " | ".join(cells[2:])))
-    text = "\n".join(lines) + "\nIn italics: not run here, measured once on another machine (perf/peers/elsewhere/narrow.csv).\n"
+    text = "\n".join(lines)
+    text += "\nIn italics: not run here, measured once on another machine (perf/peers/elsewhere/narrow.csv).\n"
     print("\n" + text + "load of the machine: %.1f" % os.getloadavg()[0])
     with open(os.path.join(o.out, "table.md"), "w") as file:
         file.write(text)

@@ -52,16 +52,20 @@ def rows(vertices):
 
 def write_scene(side, all_vertices):
     with open(os.path.join(o.out, "pile.toml"), "w") as f:
-        f.write('title = "Polyhedra"\nrun = { duration = 10.0, time_step = %g, output_interval = 10.0 }\nworld = { gravity = [0, 0, -9.81] }\n' % STEP)
+        f.write('title = "Polyhedra"\nrun = { duration = 10.0, time_step = %g, output_interval = 10.0 }\n'
+                'world = { gravity = [0, 0, -9.81] }\n' % STEP)
         f.write("material.stone = { density = %g, youngs_modulus = %g, poissons_ratio = %g }\n" % (DENSITY, E, NU))
-        f.write('contact = { method = "smooth", restitution = 0.3, friction = %g, smooth = { law = "overlap-volume" } }\n' % FRICTION)
+        f.write('contact = { method = "smooth", restitution = 0.3, friction = %g, smooth = { law = "overlap-volume" } '
+                '}\n' % FRICTION)
         planes = [((0, 0, 0), (0, 0, 1)), ((0, 0, 0), (1, 0, 0)), ((0, 0, 0), (0, 1, 0)), ((side, 0, 0), (-1, 0, 0)),
                   ((0, side, 0), (0, -1, 0))]
         for p, n in planes:
-            f.write('[[body]]\nshape = { half_space = { normal = [%g, %g, %g] } }\nmaterial = "stone"\nfixed = true\nposition = [%.9g, %.9g, %.9g]\n' % (*n, *p))
+            f.write('[[body]]\nshape = { half_space = { normal = [%g, %g, %g] } }\nmaterial = "stone"\nfixed = true\n'
+                    'position = [%.9g, %.9g, %.9g]\n' % (*n, *p))
         for vertices in all_vertices:
             centre = vertices.mean(0)
-            f.write('[[body]]\nmaterial = "stone"\nposition = [%.9g, %.9g, %.9g]\nshape = { polyhedron = { vertices = %s } }\n' % (*centre, rows(vertices - centre)))
+            f.write('[[body]]\nmaterial = "stone"\nposition = [%.9g, %.9g, %.9g]\n'
+                    'shape = { polyhedron = { vertices = %s } }\n' % (*centre, rows(vertices - centre)))
         f.write('[[measure]]\nname = "contacts"\nkind = "coordination"\ninterval = %g\n' % (100 * STEP))
 
 
@@ -73,7 +77,9 @@ def run_epafi(side):
                 if float(r["mass"]) > 0]
     last = numpy.array([r for r in free if r[0] == free[-1][0]])
     gone = int(((last[:, 1:3] < 0) | (last[:, 1:3] > side)).any(1).sum())
-    return 1e6 * after["cpu_time"] / (after["steps"] - before["steps"]) / o.n, after["measures"]["contacts"]["number"]["last"], numpy.average(last[:, 3], weights=last[:, 4]), gone
+    time = 1e6 * after["cpu_time"] / (after["steps"] - before["steps"]) / o.n
+    height = numpy.average(last[:, 3], weights=last[:, 4])
+    return time, after["measures"]["contacts"]["number"]["last"], height, gone
 
 
 YADE = """import math, resource
@@ -85,11 +91,13 @@ for vertices in %(bodies)s:
     O.bodies.append(polyhedra_utils.polyhedra(stone, v=[Vector3(*v) for v in vertices]))
 n = len(O.bodies)
 for axis in (0, 1):
-    O.bodies.append(utils.wall(0, axis=axis, sense=1, material=stone)), O.bodies.append(utils.wall(%(side).9g, axis=axis, sense=-1, material=stone))
+    O.bodies.append(utils.wall(0, axis=axis, sense=1, material=stone))
+    O.bodies.append(utils.wall(%(side).9g, axis=axis, sense=-1, material=stone))
 O.bodies.append(utils.wall(0, axis=2, sense=1, material=stone))
 O.engines = [ForceResetter(), InsertionSortCollider([Bo1_Polyhedra_Aabb(), Bo1_Wall_Aabb()], verletDist=%(skin)g),
              InteractionLoop([Ig2_Wall_Polyhedra_PolyhedraGeom(), Ig2_Polyhedra_Polyhedra_PolyhedraGeom()],
-                             [Ip2_PolyhedraMat_PolyhedraMat_PolyhedraPhys()], [Law2_PolyhedraGeom_PolyhedraPhys_Volumetric()]),
+                             [Ip2_PolyhedraMat_PolyhedraMat_PolyhedraPhys()],
+                              [Law2_PolyhedraGeom_PolyhedraPhys_Volumetric()]),
              NewtonIntegrator(damping=0.3, gravity=(0, 0, -9.81))]
 O.dt = %(dt)g
 O.run(%(warm)d, True)

@@ -59,12 +59,12 @@ BOX_TRIANGLES = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1
 
 
 class Body:
-    """A convex body: vertices about the centre of mass, triangles, mass (0: fixed), moments, place, orientation w x y
-    z."""
+    """A convex body: vertices about the centre of mass, triangles, mass (0: fixed), moments, place,
+    orientation w x y z."""
 
     def __init__(self, vertices, triangles, mass, moments, place, turn=(1, 0, 0, 0)):
-        self.vertices, self.triangles, self.mass, self.moments = numpy.asarray(vertices,
-                                                                               float), triangles, mass, numpy.asarray(moments, float)
+        self.vertices, self.triangles = numpy.asarray(vertices, float), triangles
+        self.mass, self.moments = mass, numpy.asarray(moments, float)
         self.place, self.turn = numpy.asarray(place, float), numpy.asarray(turn, float)
         self.radius = numpy.linalg.norm(self.vertices, axis=1).max()
         corners = self.vertices[numpy.array(triangles)]
@@ -276,7 +276,8 @@ def run_epafi(scene, settings, dt, seconds, free, share):
 
 def main():
     built = drivers()
-    lines = ["| case | engine | ms per step | overlap [mm], piles: of Ri+Rj | at the end | stands, piles: mean | drift [mm], piles: outside | sag [mm] | v_rms [mm/s] |",
+    lines = ["| case | engine | ms per step | overlap [mm], piles: of Ri+Rj | at the end | stands, piles: mean | drift "
+             "[mm], piles: outside | sag [mm] | v_rms [mm/s] |",
              "|---" * 9 + "|"]
     for name in o.cases:
         fixed, free, dt, seconds, scene, settings = case(name)
@@ -306,7 +307,8 @@ def main():
                          (name, label, ms, " | ".join(judge(name, fixed, free, results[-1][1]))))
             print(lines[-1], flush=True)
         lines += elsewhere(name)
-    text = "\n".join(lines) + "\nIn italics: not run here, measured once on another machine (perf/peers/elsewhere/rigid.csv).\n"
+    text = "\n".join(lines)
+    text += "\nIn italics: not run here, measured once on another machine (perf/peers/elsewhere/rigid.csv).\n"
     print("\n" + text + "load of the machine: %.1f" % os.getloadavg()[0])
     with open(os.path.join(o.out, "table.md"), "w") as f:
         f.write(text)

@@ -34,7 +34,8 @@ COLUMNS = {"square": "vx*vx+vy*vy+vz*vz", "x": "x", "z": "z"}
 
 
 def fill(name, shape, count, low, high, more="", material="bead"):
-    return ('[shape.%s]\n%s\n[[fill]]\nname = "%s"\nshape = "%s"\nmaterial = "%s"\ncount = %d\nregion = { box = { min = %s, max = %s } }\n%s\n'
+    return ('[shape.%s]\n%s\n[[fill]]\nname = "%s"\nshape = "%s"\nmaterial = "%s"\ncount = %d\n'
+            'region = { box = { min = %s, max = %s } }\n%s\n'
             % (name, shape, name, name, material, count, list(low), list(high), more))
 
 
@@ -159,11 +160,13 @@ class Drum(Case):
 
 
 class Heap(Case):
-    """A column of 5000 spheres that stick to each other by DMT, 0.02 J/m2, spreads on the ground. Figure: mean height of the spheres [m]."""
+    """A column of 5000 spheres that stick to each other by DMT, 0.02 J/m2, spreads on the ground. Figure: mean height
+    of the spheres [m]."""
     # LAMMPS pulls with 4 pi gamma R, gamma half the work of adhesion
     law, law_of_lammps, settle = 'law = "dmt", work_of_adhesion = 0.02', ("dmt", " 0.01"), 0.25
     walls = plane((0, 0, 1), (0, 0, 0))
-    closing = "[[body]]\nshape = { tube = { radius = 0.03, length = 0.8 } }\nmaterial = \"bead\"\nposition = [0, 0, 0.4]\nfixed = true\n"
+    closing = ("[[body]]\nshape = { tube = { radius = 0.03, length = 0.8 } }\nmaterial = \"bead\"\n"
+               "position = [0, 0, 0.4]\nfixed = true\n")
     start = fill("grains", sphere(), 5000, (-0.02, -0.02, 0), (0.02, 0.02, 0.75), Case.spread)
 
     def lammps_walls(self):
@@ -173,9 +176,11 @@ class Heap(Case):
 class Hopper(Case):
     """4000 spheres of each of two materials leave a funnel. Figure: mean square of the velocities [m2/s2]."""
     settle, materials, bottom, top, low, high = 0.25, ["bead", "soft"], 0.02, 0.07, 0.0, 0.07
-    walls = ("[[body]]\nname = \"funnel\"\nshape = { cone = { radii = [%g, %g], length = %g } }\nmaterial = \"bead\"\nposition = [0, 0, %g]\nfixed = true\n"
+    walls = ("[[body]]\nname = \"funnel\"\nshape = { cone = { radii = [%g, %g], length = %g } }\nmaterial = \"bead\"\n"
+             "position = [0, 0, %g]\nfixed = true\n"
              % (bottom, top, high - low, (low + high) / 2) +
-             "[[body]]\nshape = { tube = { radius = %g, length = 0.5 } }\nmaterial = \"bead\"\nposition = [0, 0, %g]\nfixed = true\n" % (top, high + 0.25))
+             "[[body]]\nshape = { tube = { radius = %g, length = 0.5 } }\nmaterial = \"bead\"\nposition = [0, 0, %g]\n"
+             "fixed = true\n" % (top, high + 0.25))
     closing = plane((0, 0, 1), (0, 0, 0))
     start = (fill("hard", sphere(), 4000, (-0.048, -0.048, 0.07), (0.048, 0.048, 0.2), Case.spread) +
              fill("mild", sphere(), 4000, (-0.048, -0.048, 0.2), (0.048, 0.048, 0.33), Case.spread, "soft"))

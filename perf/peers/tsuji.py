@@ -3,9 +3,9 @@ import math
 
 
 def restitution_given(restitution):
-    """The coefficient to write so that spheres part with this restitution. LAMMPS puts the polynomial that Tsuji et al. (1992) fitted with the
-    mass of a sphere before the reduced mass: 0.6 written becomes 0.70. Exact is -sqrt(5) ln e / sqrt(ln^2 e + pi^2) (Antypov and Elliott
-    2011). Below 0.13 no coefficient damps enough."""
+    """The coefficient to write so that spheres part with this restitution. LAMMPS puts the polynomial that Tsuji et
+    al. (1992) fitted with the mass of a sphere before the reduced mass: 0.6 written becomes 0.70. Exact is -sqrt(5)
+    ln e / sqrt(ln^2 e + pi^2) (Antypov and Elliott 2011). Below 0.13 no coefficient damps enough."""
     def fitted(e):
         return 1.2728 - 4.2783 * e + 11.087 * e**2 - 22.348 * e**3 + 27.467 * e**4 - 18.022 * e**5 + 4.8218 * e**6
 

@@ -3,13 +3,14 @@
 
   /usr/bin/python3 perf/ranks/beside_lammps.py --build build-mpi [--n 20000] [--steps 1000] [--repeats 3]
 
-Wall seconds of the steps alone: Epafi by one process of one and of two threads, and by two processes of one thread; LAMMPS (style
-granular, the same laws) by one and two processes. Prints the smallest of the repeats, each over Epafi's one process of two threads, whether
-Epafi ends in the same state, and the largest difference between the places of spheres in LAMMPS on one and two processes. Writes
-docs/performance/ranks_lammps.csv. Needs numpy; of Debian: lammps, openmpi-bin.
+Wall seconds of the steps alone: Epafi by one process of one and of two threads, and by two processes of one thread;
+LAMMPS (style granular, the same laws) by one and two processes. Prints the smallest of the repeats, each over Epafi's
+one process of two threads, whether Epafi ends in the same state, and the largest difference between the places of
+spheres in LAMMPS on one and two processes. Writes docs/performance/ranks_lammps.csv. Needs numpy; of Debian: lammps,
+openmpi-bin.
 
-A thread that other programs disturb rests (engine/threads/preemption.h): where cores_at_work is not near 2 in the row of two threads, the
-comparison is with one. Take a quiet machine, or put `chrt -f 5` before the command as root.
+A thread that other programs disturb rests (engine/threads/preemption.h): where cores_at_work is not near 2 in the row
+of two threads, the comparison is with one. Take a quiet machine, or put `chrt -f 5` before the command as root.
 """
 import argparse
 import csv
@@ -40,10 +41,12 @@ def mpirun(ranks, command, folder):
 def epafi(o, ranks, threads):
     """Wall seconds of the steps, the hash of the state, and how many cores were at work."""
     folder = o.scratch / f"epafi_{ranks}x{threads}"
-    arguments = ["run", SCENE, "--set", f"params.n={o.n}", "--steps", str(o.steps), "-t", str(threads), "--quiet", "--force", "-o", str(folder)]
+    arguments = ["run", SCENE, "--set", f"params.n={o.n}", "--steps", str(o.steps), "-t", str(threads), "--quiet",
+                 "--force", "-o", str(folder)]
     program = str(pathlib.Path(o.build).resolve() / "bin" / ("epafi" if ranks == 1 else "epafi-mpi"))
     if ranks == 1:
-        subprocess.run([program, *arguments], env={**os.environ, "OMP_NUM_THREADS": str(threads)}, check=True, capture_output=True)
+        subprocess.run([program, *arguments], env={**os.environ, "OMP_NUM_THREADS": str(threads)}, check=True,
+                       capture_output=True)
     else:
         mpirun(ranks, [program, *arguments], o.scratch)
     summary = json.loads((folder / "summary.json").read_text())
@@ -55,7 +58,8 @@ def start_state(o):
     """Rows x y z radius of the bed as it begins."""
     folder = o.scratch / "start"
     program = str(pathlib.Path(o.build).resolve() / "bin" / "epafi")
-    subprocess.run([program, "run", SCENE, "--set", f"params.n={o.n}", "--steps", "1", "--quiet", "--force", "-o", str(folder)], check=True)
+    subprocess.run([program, "run", SCENE, "--set", f"params.n={o.n}", "--steps", "1", "--quiet", "--force", "-o",
+                    str(folder)], check=True)
     subprocess.run([program, "export", str(folder), "--format", "csv"], check=True, capture_output=True)
     with open(folder / "snapshots.csv") as file:
         rows = [r for r in csv.DictReader(file) if float(r["mass"]) > 0]
@@ -73,13 +77,15 @@ def write_lammps(o):
     text = script("lammps", "bed.data", pair, types.SimpleNamespace(skin=o.skin, warm=0, steps=o.steps), STEP)
     lines = text.split("\n")
     lines.insert(0, lines.pop(lines.index("units si")))
-    (o.scratch / "bed.lammps").write_text("\n".join(lines) + "\nwrite_dump all custom ${places} id x y z modify sort id format float %.17g\n")
+    lines.append("write_dump all custom ${places} id x y z modify sort id format float %.17g\n")
+    (o.scratch / "bed.lammps").write_text("\n".join(lines))
 
 
 def lammps(o, ranks):
     """Wall seconds of the steps, and the places of the spheres by number."""
     places = f"places_{ranks}"
-    text = mpirun(ranks, ["lmp", "-log", "none", "-in", "bed.lammps", "-var", "steps", str(o.steps), "-var", "places", places], o.scratch)
+    text = mpirun(ranks, ["lmp", "-log", "none", "-in", "bed.lammps", "-var", "steps", str(o.steps), "-var", "places",
+                          places], o.scratch)
     loops = re.findall(r"Loop time of (\S+) on", text)
     rows = (o.scratch / places).read_text().split("ITEM: ATOMS")[-1].strip().split("\n")[1:]
     return float(loops[-1]), numpy.array([[float(x) for x in line.split()[1:]] for line in rows])

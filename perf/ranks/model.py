@@ -6,8 +6,9 @@
     perf/ranks/model.py                     the table from the inputs in docs/performance/ranks_inputs.csv
 
 A step of a process that owns n spheres and sees g n of others, T threads:
-    work       t_part (n + half_ghost g n) / (T e)       contacts of a border are found on both sides; t_part: of a body in one of two
-                                                         processes, alone in passes that one process joins with others
+    work       t_part (n + half_ghost g n) / (T e)       contacts of a border are found on both sides; t_part: of a
+                                                         body in one of two processes, alone in passes that one
+                                                         process joins with others
     exchange   neighbours (message) + row g n / rate     after the work, nothing hidden
     decisions  log2(P) (order + sum)                     one order of process 0, one sum of all
     home       whole / sort_interval                     bodies to process 0 and back, N rows at its rate
@@ -169,7 +170,8 @@ def measure(options):
             if seen["wall_time"] / options.steps < seconds[ranks]:
                 seconds[ranks], summary[ranks] = seen["wall_time"] / options.steps, seen
     inputs["body"] = seconds[0] / options.bodies
-    work = {ranks: max(sum(of[stage] for stage in WORK) for of in summary[ranks]["ranks"]["seconds"]) / options.steps for ranks in cases[1:]}
+    work = {ranks: max(sum(of[stage] for stage in WORK) for of in summary[ranks]["ranks"]["seconds"]) / options.steps
+            for ranks in cases[1:]}
     inputs["part"] = 2 * work[2] / options.bodies / (1.0 + HALF_GHOST * summary[2]["ranks"]["ghosts"])
     rows = [{"input": key, "value": f"{value:.3g}", "unit": "byte/s" if "rate" in key else "s"}
             for key, value in sorted(inputs.items())]

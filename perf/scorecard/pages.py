@@ -109,13 +109,16 @@ def index(table):
     timed = [r for r in table if r["seconds"]]
     once = sum(1 for r in timed if not r["spread"])
     lines = ["# Scorecard: contact engines on the same problems", "",
-             "One command (`/usr/bin/python3 perf/scorecard/run.py`, [how](../../perf/scorecard/README.md)) runs every engine at its defaults and at a few other",
-             "settings on every problem, in turns, and compares the cost of a simulated second with the error. WebAssembly engines run in node and",
+             "One command (`/usr/bin/python3 perf/scorecard/run.py`, [how](../../perf/scorecard/README.md)) runs every "
+             "engine at its defaults and at a few other",
+             "settings on every problem, in turns, and compares the cost of a simulated second with the error. "
+             "WebAssembly engines run in node and",
              "in single precision; %s." % cost_of_wasm(table),
              "%d of %d rows were measured once (they have no spread), so their times are rough. An" %
              (once, len(timed)),
              "engine without a row on a page has not been run on that problem.", "",
-             "| problem | engines with an answer | our default: s per s | error | quickest other engine at no larger error | on the front or within twice its cost |",
+             "| problem | engines with an answer | our default: s per s | error | quickest other engine at no larger "
+             "error | on the front or within twice its cost |",
              "|---" * 6 + "|"]
     for name in (n for n in ORDER if any(r["problem"] == n for r in table)):
         rows = [r for r in table if r["problem"] == name]

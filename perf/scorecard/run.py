@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Speed against accuracy of contact engines on the same problems: one command installs, builds, runs in turns, draws.
 
-  /usr/bin/python3 perf/scorecard/run.py [--engine E ...] [--problem P ...] [--budget 30m] [--turns 3] [--pages] [--rows PROBLEM]
+  /usr/bin/python3 perf/scorecard/run.py [--engine E ...] [--problem P ...] [--budget 30m] [--turns 3] [--pages]
+  [--rows PROBLEM]
 
 A row is one engine at one setting on one problem: processor seconds per simulated second over the steps alone, one
 thread, median of the repeats with their spread, and the error against an exact or converged answer
@@ -180,7 +181,8 @@ def main():
     parser.add_argument("--no-install", action="store_true")
     parser.add_argument("--as-built", action="store_true", help="drivers that exist are not built again")
     parser.add_argument("--pages", action="store_true", help="write docs/scorecard from the table, run nothing")
-    parser.add_argument("--rows", metavar="PROBLEM", help="print its rows for `epafi chart STUDY --with FILE.csv`, run nothing")
+    parser.add_argument("--rows", metavar="PROBLEM", 
+                        help="print its rows for `epafi chart STUDY --with FILE.csv`, run nothing")
     o = parser.parse_args()
     unknown = [p for p in (o.problem or []) + [o.rows] * bool(o.rows) if p not in ORDER]
     if unknown:

@@ -88,7 +88,9 @@ def volume(shape):
         return math.prod(shape[1])
     total = 0.0
     for a, b, c in ([shape[1][k] for k in face] for face in shape[2]):
-        total += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+        total += a[0] * (b[1] * c[2] - b[2] * c[1])
+        total += a[1] * (b[2] * c[0] - b[0] * c[2])
+        total += a[2] * (b[0] * c[1] - b[1] * c[0])
     return total / 6
 
 

@@ -75,5 +75,6 @@ def standing(rows):
 
 
 def chart_rows(rows):
-    """Of one measure, what `epafi chart STUDY --with FILE.csv` reads: method, seconds and error of all that have an answer."""
+    """Of one measure, what `epafi chart STUDY --with FILE.csv` reads: method, seconds and error of all that have an
+    answer."""
     return [(r["engine"] + " " + r["settings"], r["seconds"], r["error"]) for r in rows if good(r)]

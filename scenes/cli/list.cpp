@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "detection/narrow/pairs/pair_methods.h"
 #include "engine/units/error.h"
 #include "engine/units/nearest.h"
 #include "scenes/reader/schema.h"
 #include "scenes/reader/table_reader.h"
+#include "scenes/wrapped_text.h"
 
 namespace epafi {
 namespace {
@@ -49,16 +51,22 @@ void append_part(std::string& out, const Part& part) {
   }
 }
 
-/// The pair table, a row and a column per shape.
+/// The pair table: for each shape its methods, and the other shapes that each of them is for. Fits 80 columns.
 void append_pairs(std::string& out, const std::vector<Entry>& shapes) {
+  constexpr std::size_t width = 54;
   out += (out.empty() ? "" : "\n") + std::string("pairs of shapes and how they are found (none: they never touch)\n");
-  out += fmt::format("  {:<14}", "");
-  for (const auto& shape : shapes) out += fmt::format("{:<15}", shape.name);
-  out += "\n";
   for (const auto& a : shapes) {
-    out += fmt::format("  {:<14}", a.name);
-    for (const auto& b : shapes) out += fmt::format("{:<15}", pair_method(a.name, b.name));
-    out += "\n";
+    std::map<std::string, std::string> others;
+    for (const auto& b : shapes) {
+      std::string& names = others[pair_method(a.name, b.name)];
+      names += (names.empty() ? "" : ", ") + b.name;
+    }
+    out += "  " + a.name + "\n";
+    for (const auto& [method, names] : others) {
+      const std::vector<std::string> lines = wrapped(names, width);
+      for (std::size_t k = 0; k < lines.size(); ++k)
+        out += fmt::format("    {:<20} {}\n", k == 0 ? method : "", lines[k]);
+    }
   }
 }
 

@@ -162,7 +162,10 @@ Row solve_one(const ConeProblem& problem, const SolverEntry& entry, const SolveO
   bool late = false;
   solver->interrupted = [&] { return late = cpu_seconds() - start > limit; };
   const SolverReport report = solver->solve(problem, r);
-  Row row{.problem = {}, .method = entry.entry.name, .status = "solved", .iterations = report.iterations};
+  Row row;
+  row.method = entry.entry.name;
+  row.status = "solved";
+  row.iterations = report.iterations;
   row.ms = 1e3 * (cpu_seconds() - start);
   std::vector<Vec6> v;
   std::vector<Vec3> u;

@@ -170,6 +170,9 @@ int command_sweep(const StudyOptions& o, const SweepOptions& s) {
             fmt::format("case {}: {}{}{}", number[k], r.status, r.trouble.empty() ? "" : ": ", r.trouble));
         if (!r.completed()) worst = r.status == "bound_violated" && worst == exit_done ? exit_bound : exit_failed;
       });
+  if (whole && s.one < 0)
+    report(fmt::format("cases in {}; one table of all: epafi sweep {} -o {} --collect", folder.string(),
+                       o.files.front(), folder.string()));
   return whole ? worst : exit_interrupt;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/units/registry.h"
 #include "scenes/study/atlas.h"
 
 namespace epafi {
@@ -41,18 +42,44 @@ std::string note_of(const Chart& chart, std::size_t k) {
   return note;
 }
 
+/// Above this number of points a page shows those that decide; the CSV file holds all.
+constexpr std::size_t most_rows = 60;
+
+/// The points of a page: all, or those on the front, the recommended one and the most accurate one of each method. A
+/// method without an answer has its first point there, which says why.
+std::vector<std::size_t> shown_points(const Chart& chart) {
+  std::vector<std::size_t> shown;
+  const bool all = chart.points.size() <= most_rows;
+  const auto error = [](const ChartPoint& p) { return p.good() && !std::isnan(p.error) ? p.error : infinity; };
+  for (std::size_t k = 0; k < chart.points.size(); ++k) {
+    const ChartPoint& p = chart.points[k];
+    bool is_best = true;
+    for (std::size_t other = 0; other < chart.points.size(); ++other) {
+      const ChartPoint& q = chart.points[other];
+      if (q.method.name != p.method.name) continue;
+      if (error(q) < error(p) || (error(q) == error(p) && other < k)) is_best = false;
+    }
+    if (all || p.pareto || chart.recommended == k || is_best) shown.push_back(k);
+  }
+  return shown;
+}
+
 std::string or_dash(const std::optional<double>& v) { return v ? fmt::format("{:.4g}", *v) : "-"; }
 
 }  // namespace
 
 std::string measured_text(const Chart& chart, const std::string& stem, const std::vector<std::string>& pictures) {
   std::string out = head("chart", stem, chart.study.title, pictures);
+  if (chart.points.size() > most_rows)
+    out += fmt::format("The front and the most accurate row of each method; the numbers hold all {} rows.\n\n",
+                       chart.points.size());
   const std::size_t further = chart.study.more_errors.size();
   out += "| method | settings | time | spread | " + chart.study.error.axis_label();
   for (const ErrorSpec& e : chart.study.more_errors) out += " | " + e.axis_label();
   out += " | |\n|---|---|---|---|---|---|";
   for (std::size_t k = 0; k < further; ++k) out += "---|";
-  for (std::size_t k = 0; k < chart.points.size(); ++k) {
+  const std::vector<std::size_t> shown = shown_points(chart);
+  for (std::size_t k : shown) {
     const ChartPoint& p = chart.points[k];
     out += fmt::format("\n| {} | {} | {:.3g} | {:.1g} | {}", p.method.name, short_settings(p.method), p.time,
                        p.time_spread, p.good() && !std::isnan(p.error) ? fmt::format("{:.3g}", p.error) : "");

@@ -79,12 +79,29 @@ std::string chart_json(const Chart& chart) {
   return json.text() + "\n";
 }
 
-std::string chart_verdict(const Chart& chart) {
+namespace {
+/// The first failed point of each method and status with its reason, and the number of its further ones.
+std::string failures(const Chart& chart) {
   std::string out;
-  for (const auto& p : chart.points)
-    if (!p.good())
-      out += fmt::format("failed: {} [{}]: {}{}{}\n", p.method.name, p.method.settings(), p.status,
-                         p.trouble.empty() ? "" : ": ", p.trouble);
+  const auto same = [](const ChartPoint& p, const ChartPoint& q) {
+    return !q.good() && q.method.name == p.method.name && q.status == p.status;
+  };
+  for (std::size_t k = 0; k < chart.points.size(); ++k) {
+    const ChartPoint& p = chart.points[k];
+    const auto alike = [&](const ChartPoint& q) { return same(p, q); };
+    const auto here = chart.points.begin() + static_cast<std::ptrdiff_t>(k);
+    if (p.good() || std::any_of(chart.points.begin(), here, alike)) continue;
+    out += fmt::format("failed: {} [{}]: {}{}{}\n", p.method.name, p.method.settings(), p.status,
+                       p.trouble.empty() ? "" : ": ", p.trouble);
+    if (const auto more = std::count_if(here + 1, chart.points.end(), alike); more > 0)
+      out += fmt::format("  and {} more settings: {}\n", more, p.status);
+  }
+  return out;
+}
+}  // namespace
+
+std::string chart_verdict(const Chart& chart) {
+  std::string out = failures(chart);
   const auto below = std::count_if(chart.points.begin(), chart.points.end(), [&](const ChartPoint& p) {
     return p.good() && !p.is_reference && p.error < 2 * chart.reference_error;
   });

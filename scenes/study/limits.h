@@ -42,8 +42,8 @@ struct LimitMap {
 std::string kind_of_failure(const std::vector<FailureSpec>& fails_when, const CaseResult& result, std::string& detail);
 
 /// One case of a study of a patch: the method against the study's reference at the same values of the parameters (as
-/// overrides). fails_when: pressure, area, force or patch, as for charts. A failure is "said so" where the result is
-/// flagged as not valid, "in silence" where it is not.
+/// overrides). fails_when: pressure, area, force or patch, as for charts. A failure is "flagged" where the result is
+/// marked as not valid.
 LimitCase judge_patch_case(const Study& study, std::size_t method, const std::vector<std::string>& parameters,
                            const std::vector<double>& at);
 

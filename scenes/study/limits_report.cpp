@@ -71,8 +71,8 @@ std::string limits_verdict(const LimitMap& map) {
     out += fmt::format(": {} last good {}, first failing {}", map.study.parameters.back().key, value(l.last_good),
                        value(l.first_failing));
     if (!l.kind.empty()) out += " (" + l.kind + ")";
-    if (l.theory)
-      out += fmt::format("; {} {:.6g}", map.study.theory_label.empty() ? "theory" : map.study.theory_label, *l.theory);
+    if (l.theory) out += fmt::format("; theory {:.6g}", *l.theory);
+    if (l.theory && !map.study.theory_label.empty()) out += " (" + map.study.theory_label + ")";
     out += "\n";
   }
   if (!map.whole) out += "the budget was spent: bisections end coarser than asked, values of scans are missing\n";

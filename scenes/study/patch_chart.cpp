@@ -86,7 +86,7 @@ LimitCase judge_patch_case(const Study& study, std::size_t method, const std::ve
     c.detail = fmt::format("{} = {:.3g}", f.quantity, error);
     if (!(error > f.limit)) continue;
     c.status = "failed";
-    c.kind = r.reasons.empty() ? "wrong in silence" : "wrong but said so";
+    c.kind = r.reasons.empty() ? "wrong and not flagged" : "wrong and flagged";
     break;
   }
   return c;

@@ -1,4 +1,5 @@
 // What comes out of an impact against what the scene asks for, over all damped laws, speeds, masses, moduli and phases.
+#include <algorithm>
 #include <cmath>
 
 #include "laws/all_laws.h"
@@ -93,18 +94,19 @@ TEST_CASE("locating the edges of a contact within the step makes coarse impacts 
 
 TEST_CASE("table: error of the restitution at 20, 50, 100, 1000 steps per contact", "[laws][restitution][.table]") {
   std::printf(
-      "| law | e | 20 | 50 | 100 | 1000 | located: 20 | 50 | 100 | 1000 "
-      "|\n|---|---|---|---|---|---|---|---|---|---|\n");
-  for (const LawRow& row : exact_laws)
-    for (double e : {0.2, 0.5, 0.8, 1.0}) {
-      const ImpactCase c = make_case(row.law, row.exponent, 1.0, 4000, 1e9);
-      std::printf("| %s", row.law);
-      if (std::string(row.law) == "power-law") std::printf(" n = %g", row.exponent);
-      std::printf(" | %g", e);
-      for (bool locate : {false, true})
-        for (int steps : {20, 50, 100, 1000}) std::printf(" | %.1e", worst_error(c, e, steps, 32, locate));
-      std::printf(" |\n");
-    }
+      "| law | 20 | 50 | 100 | 1000 | located: 20 | 50 | 100 | 1000 |\n|---|---|---|---|---|---|---|---|---|\n");
+  for (const LawRow& row : exact_laws) {
+    const ImpactCase c = make_case(row.law, row.exponent, 1.0, 4000, 1e9);
+    std::printf("| %s", row.law);
+    if (std::string(row.law) == "power-law") std::printf(" n = %g", row.exponent);
+    for (bool locate : {false, true})
+      for (int steps : {20, 50, 100, 1000}) {
+        double worst = 0.0;
+        for (double e : {0.2, 0.5, 0.8, 1.0}) worst = std::max(worst, worst_error(c, e, steps, 32, locate));
+        std::printf(" | %.1e", worst);
+      }
+    std::printf(" |\n");
+  }
 }
 
 TEST_CASE("the Hunt-Crossley family returns the restitution of its published factors (case A05)",

@@ -8,7 +8,13 @@ import os, subprocess, sys
 from pathlib import Path
 
 HEAD = """#include <cstdlib>
-namespace epafi { inline bool mutant(int k) { static const int chosen = [] { const char* t = std::getenv("EPAFI_MUTANT"); return t ? std::atoi(t) : 0; }(); return chosen == k; } }
+namespace epafi {
+inline bool mutant(int k) {
+  static const char* text = std::getenv("EPAFI_MUTANT");
+  static const int chosen = text ? std::atoi(text) : 0;
+  return chosen == k;
+}
+}
 """
 
 def main():

@@ -19,7 +19,8 @@ from table import front, good, read, standing
 
 TABLE = os.path.join(ROOT, "docs", "scorecard", "scorecard.csv")
 G = 9.81
-NUMBERS = ("none one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen sixteen seventeen eighteen "
+NUMBERS = ("none one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen sixteen "
+           "seventeen eighteen "
            "nineteen twenty").split()
 
 
@@ -161,11 +162,14 @@ def check_arguments():
 
 
 def check_rows():
-    """Rows for a chart of one's own: the columns that `epafi chart --with` asks for, each answer of the first measure once."""
-    ran = subprocess.run([sys.executable, os.path.join(ROOT, "perf", "scorecard", "run.py"), "--rows", "rolling"], capture_output=True, text=True, check=True)
+    """Rows for a chart of one's own: the columns that `epafi chart --with` asks for, each answer of the first measure
+    once."""
+    ran = subprocess.run([sys.executable, os.path.join(ROOT, "perf", "scorecard", "run.py"), "--rows", "rolling"],
+                         capture_output=True, text=True, check=True)
     rows = list(csv.DictReader(ran.stdout.splitlines()))
     wanted = [r for r in read(TABLE) if r["problem"] == "rolling" and r["measure"] == "speed" and good(r)]
-    assert [(float(r["time"]), float(r["error"])) for r in rows] == [(float(r["seconds"]), float(r["error"])) for r in wanted], ran.stdout
+    assert [(float(r["time"]), float(r["error"])) for r in rows] == [(float(r["seconds"]), float(r["error"]))
+                                                                     for r in wanted], ran.stdout
     assert len({r["method"] for r in rows}) == len(rows), "two rows of one name"
 
 

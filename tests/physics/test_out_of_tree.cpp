@@ -1,5 +1,5 @@
-// A shape, a law and a solver that are not in the tree go through the same stages as those that are: nothing but the
-// documented seams (CONTRIBUTING.md) is used.
+// A shape, a law and a solver defined outside of the tree run through the same stages as those inside, by the
+// extension points of CONTRIBUTING.md alone.
 #include <cmath>
 
 #include "detection/narrow/pairs/convex_pairs.h"
@@ -125,7 +125,7 @@ class OnePair final : public BroadPhase {
 
 }  // namespace
 
-TEST_CASE("a shape and a law from outside oscillate with the amplitude of their energy", "[physics][seams]") {
+TEST_CASE("a shape and a law from outside oscillate with the amplitude of their energy", "[physics][extensions]") {
   // dropped from h: m g (h + delta) = k delta^4 / 4 at the turning point; energy is kept
   const double k = 2e9, h = 0.01, m = 2.0, g = 10.0;
   World world = corner_on_floor(true, h);
@@ -144,7 +144,7 @@ TEST_CASE("a shape and a law from outside oscillate with the amplitude of their 
   CHECK(deepest == Approx(delta).epsilon(1e-3));  // EPA gives the depth to 1e-6 of the size, Verlet 1e-4 at this step
 }
 
-TEST_CASE("a solver from outside holds a body at rest", "[physics][seams]") {
+TEST_CASE("a solver from outside holds a body at rest", "[physics][extensions]") {
   World world = corner_on_floor(false, 0.0);
   auto narrow = std::make_unique<OctahedronOnBox>();
   narrow->reach = 0.01;

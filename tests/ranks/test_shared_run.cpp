@@ -71,7 +71,7 @@ struct Box {
     auto list = make_broad_phase("spatial-hash", setup, world);
     if (fused) {
       std::unique_ptr<ListBroadPhase> owned(dynamic_cast<ListBroadPhase*>(list.release()));
-      list = std::make_unique<WornPairs>(std::move(owned), simulation->pipeline);
+      list = std::make_unique<BlockBoundPairs>(std::move(owned), simulation->pipeline);
     }
     simulation->pipeline.broad_phase = std::move(list);
     simulation->sort_interval = 100;

@@ -1,10 +1,14 @@
 // What `epafi list` and `epafi schema` print.
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
+#include <map>
+#include <sstream>
 #include <utility>
 
+#include "detection/narrow/pairs/pair_methods.h"
 #include "engine/units/error.h"
 #include "scenes/cli/list.h"
 #include "scenes/cli/manual.h"
@@ -38,6 +42,32 @@ TEST_CASE("every entry of every list is listed", "[scenes][list]") {
                            &r.schemes, &r.measures})
     for (const auto& entry : *list) CHECK(text.find("\n  " + entry.name + " ") != std::string::npos);
   CHECK_THROWS_WITH(list_text(r, "shape"), "error: unknown kind 'shape'; did you mean 'shapes'?");
+}
+
+TEST_CASE("the list of pairs names each ordered pair once with its method, within 80 columns", "[scenes][list]") {
+  const Registry& r = full_registry();
+  std::istringstream lines(list_text(r, "pairs"));
+  std::map<std::pair<std::string, std::string>, std::string> found;
+  std::string line, shape, method;
+  std::getline(lines, line);
+  while (std::getline(lines, line)) {
+    INFO(line);
+    CHECK(line.size() <= 80);
+    if (line.substr(0, 4) != "    ") {
+      shape = line.substr(2);
+      continue;
+    }
+    if (line[4] != ' ') method = line.substr(4, line.find(' ', 4) - 4);
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream names(line.substr(25));
+    for (std::string name; names >> name;) CHECK(found.emplace(std::pair(shape, name), method).second);
+  }
+  CHECK(found.size() == r.shapes.size() * r.shapes.size());
+  for (const auto& [pair, how] : found) {
+    INFO(pair.first << " " << pair.second);
+    CHECK(how == pair_method(pair.first, pair.second));
+    CHECK(how == found[{pair.second, pair.first}]);
+  }
 }
 
 /// What a shell line with the program in it prints, and its exit code.

@@ -152,7 +152,7 @@ TEST_CASE("a killed run has the full report, told as cut, and can be resumed", "
       REQUIRE(holds_soon([&] { return frames_in(run) > 6 && measure_rows(run / "progress.csv").size() > 20; }));
       CHECK(run_state(run).life == RunLife::running);
       CHECK(open_run(run)->is_running());
-      ::usleep(1000 * (random() % 700));
+      ::usleep(static_cast<useconds_t>(1000 * (random() % 700)));
       running.kill();
     }
     REQUIRE_FALSE(fs::exists(run / "summary.json"));

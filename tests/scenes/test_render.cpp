@@ -216,9 +216,9 @@ TEST_CASE("what is damaged beside a whole run.h5 is told, and the rest shown", "
     std::ofstream(file) << whole[file].substr(0, 10);
   }
   CHECK(call_program("report " + run + " 2> " + said) == 0);
-  const std::string page = support::read_text(r.run / "report.html");
-  CHECK(page.find(std::to_string(several) + " files of contacts are damaged") != page.npos);
-  CHECK(page.find("this frame is shown without contacts") == page.npos);
+  const std::string cut_page = support::read_text(r.run / "report.html");
+  CHECK(cut_page.find(std::to_string(several) + " files of contacts are damaged") != cut_page.npos);
+  CHECK(cut_page.find("this frame is shown without contacts") == cut_page.npos);
   for (const auto& [file, text] : whole) std::ofstream(file) << text;
   const std::string summary = support::read_text(r.run / "summary.json");
   for (const std::string& text : {std::string(), std::string("[]"), std::string("5"), std::string("{\"status\": 5}"),

@@ -234,7 +234,7 @@ TEST_CASE("a ball between two plates has the stress of its load", "[viz_export][
   ViewFrame frame =
       frame_of({ball_at(0, Vec3(0, 0, 0)), ball_at(1, Vec3(0, 0, ball_radius)), ball_at(2, Vec3(0, 0, -ball_radius))});
   frame.bodies[1].mass = frame.bodies[2].mass = 0;  // walls
-  const Eigen::Vector3f centre(0, 0, 0), up(0, 0, ball_radius), push(0, 0, static_cast<float>(F));
+  const Eigen::Vector3f centre(0, 0, 0), up(0, 0, static_cast<float>(ball_radius)), push(0, 0, static_cast<float>(F));
   frame.contacts = {{0, 1, centre, up, -push, 3, 0, 0}, {0, 2, centre, -up, push, 3, 0, 0}};
   const RunAbout about;
   const FrameFields fields(frame, about);
@@ -356,7 +356,7 @@ TEST_CASE("a pale ball mixes with what is behind it by its opacity", "[viz_expor
 TEST_CASE("ribbons of contacts are no wider than 0.42 of the smaller body, and that wide between like ones",
           "[viz_export][view]") {
   std::mt19937 random(7);
-  for (const double ratio : {1.0, 0.9, 0.5, 0.3, 0.3 + 1e-4 * (random() % 1000)}) {
+  for (const double ratio : {1.0, 0.9, 0.5, 0.3, 0.3 + 1e-4 * static_cast<double>(random() % 1000)}) {
     BodyRecord large = ball_at(0, Vec3::Zero()), small = ball_at(1, Vec3(ball_radius * (1 + ratio), 0, 0));
     small.radius = ratio * ball_radius;
     ViewFrame frame = frame_of({large, small});

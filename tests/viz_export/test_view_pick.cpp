@@ -414,7 +414,7 @@ TEST_CASE("a value that is no number is shown as such, and drawn as nothing movi
   support::Browser b(900, 600);
   std::mt19937 random(4);
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-    const std::uint32_t n = 3 + random() % 4, broken = random() % n;
+    const auto n = static_cast<std::uint32_t>(3 + random() % 4), broken = static_cast<std::uint32_t>(random() % n);
     ViewFrame frame;
     for (std::uint32_t k = 0; k < n; ++k) {
       frame.bodies.push_back(ball_of(k, Vec3(0, 0.5 * k, 0)));

@@ -36,7 +36,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     since_drift_ = 0.0;
   }
   void set_bodies(UnwrittenColumn<double> radius, std::size_t first) override {
-    if (first > 0 && !radius_.empty()) {  // those of before are still to be told
+    if (first > 0 && !radius_.empty()) {  // the bodies before them are not handed over yet
       EPAFI_REQUIRE(first_ + radius_.size() == first, "bodies come behind the others");
       for (const double r : radius) radius_.push_back(r);
       return;
@@ -54,7 +54,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
 
   bool move(World& world, const StepClock& clock) override {
     if (!clock.scheme->has_ranges()) {
-      ways_.clear();
+      displacements_.clear();
       return false;
     }
     if (blocks_.laid_out() && world.size() > blocks_.bodies()) {
@@ -62,7 +62,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       inverse_half_margin_ = {};
     }
     if (blocks_.bodies() != world.size()) {
-      ways_.clear();
+      displacements_.clear();
       return false;
     }
     predicted_ = true;
@@ -81,7 +81,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   }
 
   bool is_ahead() const override { return ahead_; }
-  std::span<const double> largest_ways() const override { return ways_; }
+  std::span<const double> largest_displacements() const override { return displacements_; }
 
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override {
     published_ = false;
@@ -211,7 +211,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
             blocks_.moments(accumulator),
             blocks_.plain(),
             touched(),
-            knows_ways() ? inverse_half_margin_.data() : nullptr,
+            knows_displacements() ? inverse_half_margin_.data() : nullptr,
             tells_forces_ || !world.owner.empty(),  // ghosts and bodies that change processes go with theirs
             drift_.velocity_at(since_drift_ + 0.5 * clock.dt),
             *clock.scheme,
@@ -223,13 +223,14 @@ class FusedModel final : public FusedSpheres, public SharedModel {
             extent};
   }
 
-  bool knows_ways() const { return !inverse_half_margin_.empty(); }
+  bool knows_displacements() const { return !inverse_half_margin_.empty(); }
   const std::uint8_t* touched() const { return is_touched_.empty() ? nullptr : is_touched_.data(); }
 
   void find_ways(double dt) {
     since_drift_ += dt;
-    ways_.resize(knows_ways() ? largest_inverse_half_margin_.size() : 0);
-    for (std::size_t i = 0; i < ways_.size(); ++i) ways_[i] = dt * std::sqrt(largest_inverse_half_margin_[i].sum());
+    displacements_.resize(knows_displacements() ? largest_inverse_half_margin_.size() : 0);
+    for (std::size_t i = 0; i < displacements_.size(); ++i)
+      displacements_[i] = dt * std::sqrt(largest_inverse_half_margin_[i].sum());
   }
 
   /// Whether one material is that of all spheres.
@@ -304,7 +305,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     dt_ = clock.dt;
     lag_ = lag(clock);
     const auto loop = law_.needs.remembers() ? find_loop<true>() : find_loop<false>();
-    const SphereArrays arrays = arrays_of(world, clock, !onward);  // onward: nobody looks at this step
+    const SphereArrays arrays = arrays_of(world, clock, !onward);  // onward: this step is not observed
     const auto threads = static_cast<std::size_t>(thread_count());
     const std::size_t accumulators = threads == 1 ? 1 : std::min(most_accumulators, all.size() / threads + 1);
     blocks_.set_accumulators(threads * accumulators);
@@ -480,12 +481,12 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   bool predicted_ = false;                         ///< the states say how fast the bodies are at the detection
   UnwrittenColumn<double> radius_;                 ///< of bodies in new slots [m]; empty: they are known
   std::size_t first_ = 0;                          ///< slot of the first of radius_
-  CommonMotion drift_;                             ///< beside which ways are counted
+  CommonMotion drift_;                             ///< beside which displacements are counted
   double since_drift_ = 0.0;                       ///< it began so long ago [s]
   std::span<const float> inverse_half_margin_;     ///< as SphereList::inverse_half_margin
-  bool tells_forces_ = true;                       ///< in every step; else in those that somebody looks at only
+  bool tells_forces_ = true;                       ///< in every step; else in observed ones only
   std::vector<Vec3> largest_inverse_half_margin_;  ///< by block: largest squares of velocity times that [1/s^2]
-  std::vector<double> ways_;                       ///< by block, of the step that has begun, over half the margin
+  std::vector<double> displacements_;              ///< by block, of the step that has begun, over half the margin
   bool ahead_ = false;                             ///< the first half of the next step is done
   std::vector<std::uint8_t> is_touched_;           ///< by slot: with forces of the generic loop; empty: none is
   std::vector<Extent> extents_, next_extents_;     ///< of this step and of the next one, by block

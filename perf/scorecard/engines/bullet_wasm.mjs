@@ -1,5 +1,6 @@
-// bullet_wasm.mjs  Bullet again, compiled to WebAssembly (npm's ammojs-typed, single precision): what a simulated second costs
-// more in it than in the native Bullet is what the other engines from npm may owe to WebAssembly. Option: iterations=N (10).
+// bullet_wasm.mjs  Bullet again, compiled to WebAssembly (npm's ammojs-typed, single precision): what a simulated
+// second costs more in it than in the native Bullet is what the other engines from npm may owe to WebAssembly.
+// Option: iterations=N (10).
 import { run } from './driver.mjs';
 import { file, open } from './packages.mjs';
 
@@ -29,12 +30,23 @@ function place(body) {
 }
 
 run((scene, options) => {
-  const configuration = new B.btDefaultCollisionConfiguration(), dispatcher = new B.btCollisionDispatcher(configuration);
-  const world = new B.btDiscreteDynamicsWorld(dispatcher, new B.btDbvtBroadphase(), new B.btSequentialImpulseConstraintSolver(), configuration);
+  const configuration = new B.btDefaultCollisionConfiguration(),
+    dispatcher = new B.btCollisionDispatcher(configuration);
+  const world = new B.btDiscreteDynamicsWorld(
+    dispatcher,
+    new B.btDbvtBroadphase(),
+    new B.btSequentialImpulseConstraintSolver(),
+    configuration
+  );
   world.setGravity(vector(scene.gravity));
   if (options.iterations) world.getSolverInfo().set_m_numIterations(Number(options.iterations));
   const add = (shape, body) => {
-    const info = new B.btRigidBodyConstructionInfo(body ? body.mass : 0, place(body), shape, vector(body ? body.inertia : [0, 0, 0]));
+    const info = new B.btRigidBodyConstructionInfo(
+      body ? body.mass : 0,
+      place(body),
+      shape,
+      vector(body ? body.inertia : [0, 0, 0])
+    );
     info.set_m_friction(Math.sqrt(scene.friction));  // a pair takes the product
     info.set_m_restitution(Math.sqrt(scene.restitution));
     const made = new B.btRigidBody(info);

@@ -1,6 +1,6 @@
-// driver.mjs  Common part of the drivers in node: the same scene, arguments and answer as driver.h, which explains them.
-// V8 compiles the engine for seconds at each start, so one start makes all three measurements, and not one a turn.
-// Warm-up: whole runs for 0.3 s, at most ten: JavaScript is compiled on the way, for Rapier after five.
+// driver.mjs  Common part of the drivers in node: the same scene, arguments and answer as driver.h, which explains
+// them. V8 compiles the engine for seconds at each start, so one start makes all three measurements, and not one a
+// turn. Warm-up: whole runs for 0.3 s, at most ten: JavaScript is compiled on the way, for Rapier after five.
 import fs from 'fs';
 
 class Words {

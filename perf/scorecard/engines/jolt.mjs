@@ -1,6 +1,7 @@
-// jolt.mjs  Jolt (npm, WebAssembly, single precision, one thread). Options: velocity=N (10) and position=N (2) iterations,
-// slop=M (0.02), speculative=M (0.02), radius=M convex radius (0.05), threshold=V (1): lengths in m, least speed of
-// restitution in m/s. Those lengths are meant for games in metres and are what decides most of its errors here.
+// jolt.mjs  Jolt (npm, WebAssembly, single precision, one thread). Options: velocity=N (10) and position=N (2)
+// iterations, slop=M (0.02), speculative=M (0.02), radius=M convex radius (0.05), threshold=V (1): lengths in m,
+// least speed of restitution in m/s. Those lengths are meant for games in metres and are what decides most of its
+// errors here.
 import { run } from './driver.mjs';
 import { open } from './packages.mjs';
 
@@ -42,7 +43,8 @@ function made(settings) {
 
 function shapeOf(body, radius) {
   if (body.kind === 'sphere') return made(new J.SphereShapeSettings(body.radius));
-  if (body.kind === 'box') return made(new J.BoxShapeSettings(vector(body.half), Math.min(radius, 0.5 * Math.min(...body.half))));
+  if (body.kind === 'box')
+    return made(new J.BoxShapeSettings(vector(body.half), Math.min(radius, 0.5 * Math.min(...body.half))));
   const hull = new J.ConvexHullShapeSettings();
   for (const v of body.vertices) hull.mPoints.push_back(vector(v));
   hull.mMaxConvexRadius = radius;
@@ -56,8 +58,14 @@ run((scene, options) => {
   system.SetGravity(vector(scene.gravity));
   const radius = options.radius === undefined ? 0.05 : Number(options.radius);
   const add = (shape, position, turn, motion, layer, adjust) => {
-    const settings = new J.BodyCreationSettings(shape, new J.RVec3(...position), new J.Quat(turn[1], turn[2], turn[3], turn[0]), motion, layer);
-    settings.mFriction = scene.friction;        // a pair takes the root of the product
+    const settings = new J.BodyCreationSettings(
+      shape,
+      new J.RVec3(...position),
+      new J.Quat(turn[1], turn[2], turn[3], turn[0]),
+      motion,
+      layer
+    );
+    settings.mFriction = scene.friction;  // a pair takes the root of the product
     settings.mRestitution = scene.restitution;  // and the larger one
     adjust(settings);
     const body = bodies.CreateBody(settings);
@@ -69,17 +77,19 @@ run((scene, options) => {
     const shape = made(new J.PlaneShapeSettings(new J.Plane(vector(plane.normal), -plane.offset)));
     add(shape, [0, 0, 0], [1, 0, 0, 0], J.EMotionType_Static, FIXED, () => {});
   }
-  const free = scene.bodies.map((b) => add(shapeOf(b, radius), b.position, b.turn, J.EMotionType_Dynamic, MOVING, (settings) => {
-    settings.mLinearDamping = 0;
-    settings.mAngularDamping = 0;
-    settings.mAllowSleeping = false;
-    settings.mMaxAngularVelocity = 1e4;  // as shipped spins are cut at 47 rad/s
-    settings.mApplyGyroscopicForce = true;
-    settings.mLinearVelocity = vector(b.velocity);
-    settings.mAngularVelocity = vector(b.spin);
-    settings.mOverrideMassProperties = J.EOverrideMassProperties_CalculateInertia;
-    settings.mMassPropertiesOverride.mMass = b.mass;
-  }));
+  const free = scene.bodies.map((b) =>
+    add(shapeOf(b, radius), b.position, b.turn, J.EMotionType_Dynamic, MOVING, (settings) => {
+      settings.mLinearDamping = 0;
+      settings.mAngularDamping = 0;
+      settings.mAllowSleeping = false;
+      settings.mMaxAngularVelocity = 1e4;  // as shipped spins are cut at 47 rad/s
+      settings.mApplyGyroscopicForce = true;
+      settings.mLinearVelocity = vector(b.velocity);
+      settings.mAngularVelocity = vector(b.spin);
+      settings.mOverrideMassProperties = J.EOverrideMassProperties_CalculateInertia;
+      settings.mMassPropertiesOverride.mMass = b.mass;
+    })
+  );
   const list = (v) => [v.GetX(), v.GetY(), v.GetZ()];
   return {
     step: () => jolt.Step(options.dt, 1),

@@ -56,7 +56,9 @@ function turnTo(n) {
 }
 
 function addBody(world, shapeWith, b, options) {
-  const body = physics.createRigidDynamic(new P.PxTransform(vector(b.position), new P.PxQuat(b.turn[1], b.turn[2], b.turn[3], b.turn[0])));
+  const body = physics.createRigidDynamic(
+    new P.PxTransform(vector(b.position), new P.PxQuat(b.turn[1], b.turn[2], b.turn[3], b.turn[0]))
+  );
   body.attachShape(shapeWith(geometryOf(b)));
   body.setMass(b.mass);
   body.setMassSpaceInertiaTensor(vector(b.inertia));

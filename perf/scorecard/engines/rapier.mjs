@@ -1,6 +1,6 @@
 // rapier.mjs  Rapier (npm, WebAssembly, single precision). Options: iterations=N (4), prediction=M [m] (0.002),
-// frequency=F of the contact spring [Hz] (30). allowedLinearError changes nothing in these problems; the frequency, which
-// can be written and not read, decides how far bodies sink.
+// frequency=F of the contact spring [Hz] (30). allowedLinearError changes nothing in these problems; the frequency,
+// which can be written and not read, decides how far bodies sink.
 import { run } from './driver.mjs';
 import { open } from './packages.mjs';
 
@@ -24,7 +24,8 @@ run((scene, options) => {
   if (options.iterations) world.numSolverIterations = Number(options.iterations);
   if (options.prediction) parameters.normalizedPredictionDistance = Number(options.prediction);
   if (options.frequency) parameters.contact_natural_frequency = Number(options.frequency);
-  const surface = (collider) => collider.setFriction(scene.friction).setRestitution(scene.restitution);  // a pair takes the mean
+  // a pair takes the mean
+  const surface = (collider) => collider.setFriction(scene.friction).setRestitution(scene.restitution);
   for (const plane of scene.planes) {
     const at = plane.normal.map((c) => c * plane.offset);
     const body = world.createRigidBody(RAPIER.RigidBodyDesc.fixed().setTranslation(...at));

@@ -14,7 +14,8 @@ sys.argv = ["yade"] + %(words)r
 from grains import arguments
 grains, duration, dt, every, poses, options = arguments()
 density = {b["kind"]: grains.density(b) for b in grains.bodies}
-materials = [O.materials.append(FrictMat(young=m, poisson=v, density=density.get(k, 1000), frictionAngle=0.5)) for k, (m, v) in enumerate(grains.materials)]
+materials = [O.materials.append(FrictMat(young=m, poisson=v, density=density.get(k, 1000), frictionAngle=0.5))
+             for k, (m, v) in enumerate(grains.materials)]
 # without matches a pair takes the smaller friction of its two bodies
 restitution = MatchMaker(matches=[(a, b, e) for (a, b), (e, f) in grains.pairs.items()], algo="avg")
 friction = MatchMaker(matches=[(a, b, math.atan(f)) for (a, b), (e, f) in grains.pairs.items()], algo="avg")
@@ -31,10 +32,13 @@ def build():
         ids = O.bodies.append([facet(c, material=materials[tube["kind"]]) for c in grains.triangles(tube)])
         if tube["rate"]:
             axis = (0, 0, 1) if tube["axis"] == "z" else (0, 1, 0)
-            O.engines = O.engines[:-1] + [RotationEngine(ids=ids, rotationAxis=axis, angularVelocity=tube["rate"], rotateAroundZero=True), O.engines[-1]]
+            turn = RotationEngine(ids=ids, rotationAxis=axis, angularVelocity=tube["rate"], rotateAroundZero=True)
+            O.engines = O.engines[:-1] + [turn, O.engines[-1]]
 def used():
     return sum(resource.getrusage(resource.RUSAGE_SELF)[:2])
-O.engines = [ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb(), Bo1_Facet_Aabb()], verletDist=0.1 * min(b["radius"] for b in grains.bodies)),
+O.engines = [ForceResetter(),
+             InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb(), Bo1_Facet_Aabb()],
+                                   verletDist=0.1 * min(b["radius"] for b in grains.bodies)),
              InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom(), Ig2_Facet_Sphere_ScGeom()],
                              [Ip2_FrictMat_FrictMat_MindlinPhys(en=restitution, frictAngle=friction)],
                              [Law2_ScGeom_MindlinPhys_Mindlin()]),

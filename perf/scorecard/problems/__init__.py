@@ -1,8 +1,10 @@
-"""The problems: problems/NAME/problem.py holds title, kind, duration, bodies, exact answer with its derivation, measure."""
+"""The problems: problems/NAME/problem.py holds title, kind, duration, bodies, exact answer with its derivation,
+measure."""
 import importlib.util
 import os
 
-ORDER = ["stack", "heavy", "arch", "cards", "pile", "stick", "slide", "rolling", "bounce", "cradle", "oblique", "bed", "hopper", "drum", "penetration", "mixing"]
+ORDER = ["stack", "heavy", "arch", "cards", "pile", "stick", "slide", "rolling", "bounce", "cradle", "oblique", "bed",
+         "hopper", "drum", "penetration", "mixing"]
 HERE = os.path.dirname(os.path.abspath(__file__))
 
 

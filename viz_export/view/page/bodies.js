@@ -1,10 +1,12 @@
-// The bodies as objects of three.js: one object for all spheres, one for each shape that has many copies, one for all others.
+// The bodies as objects of three.js: one object for all spheres, one for each shape that has many copies, one for all
+// others.
 
 const fewCopies = 3;  // shapes with fewer copies are drawn together
 const mostOutlined = 400;  // free bodies with edges; among more of them lines would hide the colours
 
 function floatTexture(width, height) {
-  const texture = new THREE.DataTexture(new Float32Array(4 * width * height), width, height, THREE.RGBAFormat, THREE.FloatType);
+  const texture = new THREE.DataTexture(
+    new Float32Array(4 * width * height), width, height, THREE.RGBAFormat, THREE.FloatType);
   texture.minFilter = texture.magFilter = THREE.NearestFilter;
   return texture;
 }
@@ -22,7 +24,8 @@ function joinedPoints(points) {
   return same;
 }
 
-// Edges between faces that are bent by more than 30 degrees, where the shading shows it too, and borders: pairs of corners.
+// Edges between faces that are bent by more than 30 degrees, where the shading shows it too, and borders: pairs of
+// corners.
 function featureEdges(mesh) {
   const { points, corners, normals } = mesh;
   const same = joinedPoints(points);
@@ -41,8 +44,11 @@ function featureEdges(mesh) {
     return p[1].sub(p[0]).cross(p[2].sub(p[0])).normalize();
   };
   // The normals of both sides at an end; facets of round bodies share them.
-  const shaded = (one, two, end) => [0, 1, 2].reduce((sum, k) => sum + normals[3 * one.at[end] + k] * normals[3 * two.at[end] + k], 0) < 0.97 * 127 * 127;
-  const isBent = (one, two) => normalOf(one.t).dot(normalOf(two.t)) < 0.86 && (shaded(one, two, 0) || shaded(one, two, 1));
+  const shaded = (one, two, end) =>
+    [0, 1, 2].reduce((sum, k) => sum + normals[3 * one.at[end] + k] * normals[3 * two.at[end] + k], 0) <
+    0.97 * 127 * 127;
+  const isBent = (one, two) =>
+    normalOf(one.t).dot(normalOf(two.t)) < 0.86 && (shaded(one, two, 0) || shaded(one, two, 1));
   const out = [];
   for (const [a, b, ...around] of faces.values()) {
     if (around.length !== 2 || isBent(...around)) out.push(a, b);
@@ -78,9 +84,15 @@ class Bodies {
     this.states = floatTexture(this.width, height);
     this.table = new THREE.DataTexture(colourTable("viridis"), 256, 1, THREE.RGBAFormat);
     this.shared = {
-      places: { value: this.places }, turns: { value: this.turns }, states: { value: this.states },
-      table: { value: this.table }, width: { value: this.width }, clipPlane: { value: new THREE.Vector4(0, 0, 0, 1e30) },
-      wallColour: { value: new THREE.Color() }, groundColour: { value: new THREE.Color() }, lifted: { value: 0 },
+      places: { value: this.places },
+      turns: { value: this.turns },
+      states: { value: this.states },
+      table: { value: this.table },
+      width: { value: this.width },
+      clipPlane: { value: new THREE.Vector4(0, 0, 0, 1e30) },
+      wallColour: { value: new THREE.Color() },
+      groundColour: { value: new THREE.Color() },
+      lifted: { value: 0 },
     };
     this.table.needsUpdate = true;
     for (let k = 0; k < bodies.n; ++k) {
@@ -256,7 +268,10 @@ class Bodies {
     this.states.needsUpdate = true;
     for (const object of this.group.children) {
       const { pass, all } = object.userData;
-      if (object.isMesh) object.visible = all.some((k) => (pass === 0 ? opacity[k] > 0.995 : opacity[k] > 0 && (opacity[k] <= 0.995 || this.isPlane(k))));
+      if (object.isMesh)
+        object.visible = all.some((k) =>
+          pass === 0 ? opacity[k] > 0.995 : opacity[k] > 0 && (opacity[k] <= 0.995 || this.isPlane(k))
+        );
     }
   }
 

@@ -3,7 +3,8 @@
 // Looking along what is up, the control needs an eye beside the axis: so little that `level` stands upright.
 function besideAxis(towards, up, level) {
   const along = towards.dot(up);
-  if (Math.abs(along) > 0.999) towards.addScaledVector(new THREE.Vector3(...level), -1e-4 * Math.sign(along)).normalize();
+  if (Math.abs(along) > 0.999)
+    towards.addScaledVector(new THREE.Vector3(...level), -1e-4 * Math.sign(along)).normalize();
   return towards;
 }
 
@@ -17,7 +18,10 @@ function fitCamera(camera, controls, box, direction, level, angle) {
   let distance = 0;
   for (let corner = 0; corner < 8; ++corner) {
     const p = new THREE.Vector3(
-      corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : box.min.z).sub(target);
+      corner & 1 ? box.max.x : box.min.x,
+      corner & 2 ? box.max.y : box.min.y,
+      corner & 4 ? box.max.z : box.min.z
+    ).sub(target);
     const sideways = Math.max(Math.abs(right.dot(p)) / wide, Math.abs(up.dot(p)) / high);
     distance = Math.max(distance, sideways + towards.dot(p));
   }

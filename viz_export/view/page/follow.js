@@ -5,7 +5,9 @@ class MadeAnew extends Error {}
 
 // fetch throws a TypeError where nobody answers; else it is what the server said.
 function troubleOf(error) {
-  return error instanceof TypeError ? "the server does not answer: the program that showed this run has ended" : error.message;
+  return error instanceof TypeError
+    ? "the server does not answer: the program that showed this run has ended"
+    : error.message;
 }
 
 const anewKey = "epafi: made anew";

@@ -69,7 +69,10 @@ function zigzag(from, to, widest) {
   const straight = 0.15;  // of the length, at each end
   const way = new THREE.Vector3().subVectors(to, from);
   const alongY = Math.abs(way.y) > Math.abs(way.x);
-  const side = way.clone().cross(new THREE.Vector3(alongY ? 1 : 0, alongY ? 0 : 1, 0)).setLength(Math.min(2 * widest, 0.06 * way.length()));
+  const side = way
+    .clone()
+    .cross(new THREE.Vector3(alongY ? 1 : 0, alongY ? 0 : 1, 0))
+    .setLength(Math.min(2 * widest, 0.06 * way.length()));
   const corners = [from.clone()];
   for (let k = 0; k <= pieces; ++k) {
     const swing = k % 2 === 0 ? 0 : k % 4 === 1 ? 1 : -1;
@@ -90,7 +93,8 @@ function springEnds(spring, frame, manifest, bodies, rowOf, width) {
   from.add(new THREE.Vector3().fromArray(frame.place, 3 * a));
   const up = new THREE.Vector3(...manifest.up);
   const within = bodies.mesh[spring.body] < 0 ? bodies.radius[spring.body] : 0;  // of a ball it would be hidden
-  const to = b < 0 ? from.clone().addScaledVector(up, 4 * width + within) : new THREE.Vector3().fromArray(frame.place, 3 * b);
+  const to =
+    b < 0 ? from.clone().addScaledVector(up, 4 * width + within) : new THREE.Vector3().fromArray(frame.place, 3 * b);
   return [from, to];
 }
 

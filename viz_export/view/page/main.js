@@ -64,7 +64,8 @@ class Page extends Picker {
   }
 
   key(e) {
-    if (["SELECT", "INPUT"].includes(e.target.tagName) && e.target.type !== "range" && e.target.type !== "checkbox") return;
+    if (["SELECT", "INPUT"].includes(e.target.tagName) && e.target.type !== "range" && e.target.type !== "checkbox")
+      return;
     if (e.ctrlKey || e.metaKey || e.altKey) return;
     if (e.key === " " && e.target.matches("[type=checkbox], button")) return;
     const step = { ArrowLeft: -1, ArrowRight: 1, PageUp: -10, PageDown: 10, Home: -1e9, End: 1e9 }[e.key];

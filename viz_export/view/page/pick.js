@@ -34,7 +34,8 @@ function rayMesh(ray, mesh, scale, place, turn, cut) {
 }
 
 // Bodies under the ray, the one that is meant first: all that are drawn, up to the first that hides the others. Walls
-// stand about what is looked at: free bodies come before them, then walls by how clear they are. { distance, row, opacity }
+// stand about what is looked at: free bodies come before them, then walls by how clear they are. { distance, row,
+// opacity }
 function bodiesUnder(ray, frame, bodies, opacity, cut) {
   const hits = hitsOf(ray, frame, bodies, opacity, cut).sort((p, q) => p.distance - q.distance);
   const hiding = hits.findIndex((hit) => hit.opacity > 0.995);
@@ -61,7 +62,10 @@ function hitsOf(ray, frame, bodies, opacity, cut) {
     let clear = opacity[id];
     if (m >= 0) {
       if (frame.turn) turn.fromArray(frame.turn, 4 * row);
-      const away = reach === Infinity && bodies.meshes[m].points.length === 12 && normal.fromArray(bodies.meshes[m].normals).applyQuaternion(turn).dot(ray.direction) > 0;
+      const away =
+        reach === Infinity &&
+        bodies.meshes[m].points.length === 12 &&
+        normal.fromArray(bodies.meshes[m].normals).applyQuaternion(turn).dot(ray.direction) > 0;
       if (away) clear = Math.min(clear, 0.06);  // a half-space from within
       distance = rayMesh(ray, bodies.meshes[m], bodies.scale[id], centre, turn, taken);
     } else {

@@ -4,7 +4,10 @@ class Picker extends Follower {
   pickAt(x, y) {
     const area = el("picture").getBoundingClientRect();
     const caster = new THREE.Raycaster();
-    caster.setFromCamera(new THREE.Vector2((2 * (x - area.left)) / area.width - 1, 1 - (2 * (y - area.top)) / area.height), this.camera);
+    caster.setFromCamera(
+      new THREE.Vector2((2 * (x - area.left)) / area.width - 1, 1 - (2 * (y - area.top)) / area.height),
+      this.camera
+    );
     this.picked = this.nextOf(this.choicesOn(caster.ray), x, y);
     this.history = null;
     this.showPick();
@@ -19,7 +22,8 @@ class Picker extends Follower {
     const shown = el("contacts").checked && this.frame.contacts;
     const hit = shown ? pickContact(ray, this.frame.contacts, 0.4 * this.size) : { contact: -1 };
     const hidden = bodies.some((body) => body.distance < hit.distance && body.opacity > 0.5);
-    if (hit.contact >= 0 && !hidden) choices.unshift({ a: this.frame.contacts.a[hit.contact], b: this.frame.contacts.b[hit.contact] });
+    if (hit.contact >= 0 && !hidden)
+      choices.unshift({ a: this.frame.contacts.a[hit.contact], b: this.frame.contacts.b[hit.contact] });
     return choices;
   }
   // A second press at the same place means what lies behind.
@@ -42,9 +46,13 @@ class Picker extends Follower {
     const rows = [["number", id], ["material", this.source.materialName(bodies.material[id])]];
     if (bodies.radius[id] > 0) rows.push(["bounding radius", digits(bodies.radius[id]) + " m"]);
     if (row >= 0) {
-      rows.push(["position", [0, 1, 2].map((k) => digitsTo(this.source.origin[k] + this.frame.place[3 * row + k], this.frame.step)).join(", ") + " m"]);
-      for (const f of this.manifest.fields)
-        if (f.kind === "moving") rows.push([f.label, this.textOf(row, f)]);
+      rows.push([
+        "position",
+        [0, 1, 2]
+          .map((k) => digitsTo(this.source.origin[k] + this.frame.place[3 * row + k], this.frame.step))
+          .join(", ") + " m",
+      ]);
+      for (const f of this.manifest.fields) if (f.kind === "moving") rows.push([f.label, this.textOf(row, f)]);
     } else {
       rows.push(["state", "not there at this time"]);
     }
@@ -55,7 +63,10 @@ class Picker extends Follower {
 
   textOf(row, field) {
     if (this.frame.broken[field.name]?.has(row)) return "not a number";
-    return digitsTo(this.valueOf(this.frame, row, field.name), this.frame.steps[field.name]) + (field.unit ? " " + field.unit : "");
+    return (
+      digitsTo(this.valueOf(this.frame, row, field.name), this.frame.steps[field.name]) +
+      (field.unit ? " " + field.unit : "")
+    );
   }
 
   // Its number among the contacts of the frame, -1 where the bodies are apart.
@@ -84,17 +95,24 @@ class Picker extends Follower {
 
   // The picked body's field, or the contact's force, over 200 frames at most.
   async collect(picked, field) {
-    const history = { x: [], y: [], step: 0, axis: picked.id === undefined ? "normal force [N]" : labelOf(field.label, field.unit) };
+    const history = {
+      x: [],
+      y: [],
+      step: 0,
+      axis: picked.id === undefined ? "normal force [N]" : labelOf(field.label, field.unit),
+    };
     this.history = history;
     const stride = Math.max(1, Math.ceil(this.source.frames / 200));
     for (let k = 0; k < this.source.frames && this.history === history; k += stride) {
       const frame = await this.source.frame(k);
-      const row = picked.id === undefined ? -1 : frame.id[picked.id] === picked.id ? picked.id : frame.id.indexOf(picked.id);
+      const row =
+        picked.id === undefined ? -1 : frame.id[picked.id] === picked.id ? picked.id : frame.id.indexOf(picked.id);
       history.x.push(this.manifest.times[k]);
       const contact = picked.id === undefined ? this.contactNow(frame) : -1;
       if (picked.id === undefined) history.y.push(contact < 0 ? null : frame.contacts.force[contact]);
       else history.y.push(row < 0 || frame.broken[field.name]?.has(row) ? null : this.valueOf(frame, row, field.name));
-      if (picked.id !== undefined) history.step = Math.max(history.step, field.name === "height" ? frame.step : frame.steps[field.name] || 0);
+      if (picked.id !== undefined)
+        history.step = Math.max(history.step, field.name === "height" ? frame.step : frame.steps[field.name] || 0);
     }
     if (this.history === history) this.showHistory();
   }

@@ -7,7 +7,8 @@ function niceTicks(low, high, wanted) {
   const size = 10 ** Math.floor(Math.log10(raw));
   const step = [1, 2, 5, 10].map((k) => k * size).find((s) => s >= raw);
   const out = [];
-  for (let v = Math.ceil(low / step) * step; v <= high + 1e-9 * step; v += step) out.push(Math.abs(v) < 1e-9 * step ? 0 : v);
+  for (let v = Math.ceil(low / step) * step; v <= high + 1e-9 * step; v += step)
+    out.push(Math.abs(v) < 1e-9 * step ? 0 : v);
   return out;
 }
 
@@ -46,10 +47,13 @@ function drawPlot(svg, lines, xLabel, yLabel, now) {
   const px = (x) => left + ((x - x0) / (x1 - x0)) * (w - left - right);
   const py = (y) => h - bottom - ((y - y0) / (y1 - y0)) * (h - top - bottom);
   let out = `<rect class="frame" x="${left}" y="${top}" width="${w - left - right}" height="${h - top - bottom}"/>`;
-  for (const t of niceTicks(x0, x1, 4)) out += `<text x="${px(t)}" y="${h - bottom + 11}" text-anchor="middle">${digits(t)}</text>`;
+  for (const t of niceTicks(x0, x1, 4))
+    out += `<text x="${px(t)}" y="${h - bottom + 11}" text-anchor="middle">${digits(t)}</text>`;
   const whole = lines.every((line) => line.y.every((v) => v === null || Number.isInteger(v)));
-  for (const t of niceTicks(y0, y1, 3).filter((t) => !whole || Number.isInteger(t))) out += `<text x="${left - 3}" y="${py(t) + 3}" text-anchor="end">${digits(t)}</text>`;
-  out += `<text x="${(left + w - right) / 2}" y="${h - 4}" text-anchor="middle">${xLabel}</text><text x="2" y="10">${yLabel}</text>`;
+  for (const t of niceTicks(y0, y1, 3).filter((t) => !whole || Number.isInteger(t)))
+    out += `<text x="${left - 3}" y="${py(t) + 3}" text-anchor="end">${digits(t)}</text>`;
+  out += `<text x="${(left + w - right) / 2}" y="${h - 4}" text-anchor="middle">${xLabel}</text>`;
+  out += `<text x="2" y="10">${yLabel}</text>`;
   lines.forEach((line, k) => {
     const colour = curveColours[k % curveColours.length];
     const dash = k < curveColours.length ? "" : ` stroke-dasharray="${2 + 2 * Math.floor(k / curveColours.length)} 2"`;
@@ -66,9 +70,11 @@ function drawPlot(svg, lines, xLabel, yLabel, now) {
     out += `<path d="${path}" fill="none" stroke="${colour}" stroke-width="1.4"${dash}/>`;
     if (!line.label) return;
     const { text, x, row } = legend.shift();
-    out += `<text class="curve" x="${x}" y="${22 + 12 * row}" style="fill:${colour}">${text === line.label ? "" : `<title>${escaped(line.label)}</title>`}${escaped(text)}</text>`;
+    const title = text === line.label ? "" : `<title>${escaped(line.label)}</title>`;
+    out += `<text class="curve" x="${x}" y="${22 + 12 * row}" style="fill:${colour}">${title}${escaped(text)}</text>`;
   });
-  if (now >= x0 && now <= x1) out += `<line class="now" x1="${px(now)}" x2="${px(now)}" y1="${top}" y2="${h - bottom}"/>`;
+  if (now >= x0 && now <= x1)
+    out += `<line class="now" x1="${px(now)}" x2="${px(now)}" y1="${top}" y2="${h - bottom}"/>`;
   svg.setAttribute("viewBox", `0 0 ${w} ${h}`);
   svg.style.height = h + "px";
   svg.innerHTML = out;

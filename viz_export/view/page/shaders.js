@@ -1,5 +1,6 @@
-// Programs of the graphics processor. Bodies' places, turns and states stand in textures by body number, so that a frame
-// is two uploads whatever is drawn. Spheres are squares that cover them; each pixel finds where its ray meets the ball.
+// Programs of the graphics processor. Bodies' places, turns and states stand in textures by body number, so that a
+// frame is two uploads whatever is drawn. Spheres are squares that cover them; each pixel finds where its ray meets the
+// ball.
 
 const lightChunk = `
 uniform vec4 clipPlane;  // in axes of the camera: what lies beyond is cut off; w > 1e29: nothing is
@@ -145,7 +146,9 @@ void main() {
   if (outlined > 0.5) {
     vec3 base = baseColour(look.x);
     bool dark = dot(base, vec3(0.3, 0.6, 0.1)) < 0.3;  // edges stand out from their faces
-    vec3 line = look.x < -1.5 ? mix(look.y > 0.995 ? vec3(0.45, 0.48, 0.54) : vec3(0.25, 0.28, 0.34), vec3(0.62, 0.66, 0.72), lifted) : dark ? mix(base, vec3(1.0), 0.45) : 0.4 * base;
+    vec3 ruled = look.y > 0.995 ? vec3(0.45, 0.48, 0.54) : vec3(0.25, 0.28, 0.34);
+    vec3 line = look.x < -1.5 ? mix(ruled, vec3(0.62, 0.66, 0.72), lifted)
+      : dark ? mix(base, vec3(1.0), 0.45) : 0.4 * base;
     colour = vec4(line, look.y < 0.1 ? 0.3 : max(0.45, look.y));
     return;
   }

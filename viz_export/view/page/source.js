@@ -2,7 +2,8 @@
 
 const mostKept = 400e6;  // bytes of decoded frames
 
-// What places are counted from: far from the scene's own origin numbers of single precision would not tell bodies apart.
+// What places are counted from: far from the scene's own origin numbers of single precision would not tell bodies
+// apart.
 function originOf({ min, max }) {
   const centre = min.map((low, axis) => 0.5 * (low + max[axis]));
   const size = Math.hypot(...min.map((low, axis) => max[axis] - low));
@@ -62,7 +63,10 @@ class Source {
     let entry = this.kept.get(chunk);
     if (!entry || entry.frames < this.framesIn(chunk)) {
       const frames = this.framesIn(chunk);
-      entry = { frames, promise: this.bytes("chunk-" + chunk).then((b) => framesOfChunk(b, this.manifest.columns, frames, this.origin)) };
+      entry = {
+        frames,
+        promise: this.bytes("chunk-" + chunk).then((b) => framesOfChunk(b, this.manifest.columns, frames, this.origin)),
+      };
       entry.promise.catch(() => this.kept.delete(chunk));
     }
     this.kept.delete(chunk);
@@ -85,7 +89,8 @@ class Source {
   }
   groupOf(id) {
     const groups = this.manifest.groups;
-    for (let g = 0; g < groups.length; ++g) if (id >= groups[g].first && id < groups[g].first + groups[g].count) return g;
+    for (let g = 0; g < groups.length; ++g)
+      if (id >= groups[g].first && id < groups[g].first + groups[g].count) return g;
     return groups.length;
   }
   materialName(k) {

@@ -1,4 +1,4 @@
-// Puts the parts together: frames into objects, the user's choices into pictures. A picture is drawn only when something changed.
+// Puts the parts together: frames into objects, the user's choices into pictures; it draws when something changed.
 
 // Without a graphics processor every sample is paid for: four per pixel take three times as long.
 function drawsInSoftware() {
@@ -99,7 +99,8 @@ class Viewer {
     this.opacities = {
       body: names.map((name, k) => (before.body[k] && before.body[k].name === name ? before.body[k]
         : { name, opacity: hiding.has(k) && !free.has(k) && free.size > 0 ? paleWall : 1 })),
-      material: Array.from({ length: materials }, (_, k) => before.material[k] || { name: this.source.materialName(k), opacity: 1 }),
+      material: Array.from({ length: materials },
+        (_, k) => before.material[k] || { name: this.source.materialName(k), opacity: 1 }),
     };
     this.present = new Set([...walls, ...free]);
     this.listChanged();
@@ -131,7 +132,8 @@ class Viewer {
   // Seen from below, what is solid ground from above would hide all.
   lookAtGround() {
     const { ground_top: top, up } = this.manifest;
-    const below = top !== undefined && this.camera.position.dot(new THREE.Vector3(...up)) <= top - this.source.along(up);
+    const height = this.camera.position.dot(new THREE.Vector3(...up)) + this.source.along(up);
+    const below = top !== undefined && height <= top;
     if (below === this.below) return;
     this.below = below;
     this.showOpacity();
@@ -141,10 +143,12 @@ class Viewer {
   fillPanel() {
     const m = this.manifest;
     el("title").textContent = m.title;
-    fillSelect(el("field"), m.fields.map((f) => [f.name, f.label]), m.fields.some((f) => f.name === m.view.field) ? m.view.field : m.fields[0].name);
+    const isField = m.fields.some((f) => f.name === m.view.field);
+    fillSelect(el("field"), m.fields.map((f) => [f.name, f.label]), isField ? m.view.field : m.fields[0].name);
     fillSelect(el("map"), Object.keys(polynomials).map((name) => [name, name]), "viridis");
     const cameras = Object.keys(m.presets).map((name, k) => [name, `${name} (${k + 1})`]);
-    fillSelect(el("camera"), m.view.from ? [["scene", "of the scene"], ...cameras] : cameras, m.view.from ? "scene" : m.view.preset || "iso");
+    const views = m.view.from ? [["scene", "of the scene"], ...cameras] : cameras;
+    fillSelect(el("camera"), views, m.view.from ? "scene" : m.view.preset || "iso");
     el("contacts").disabled = !m.columns.includes("contact");
     el("arrows").disabled = !m.columns.includes("heading");
     el("springs").disabled = m.springs.length === 0;
@@ -163,9 +167,17 @@ class Viewer {
 
   manifestChanged() {
     el("time").max = Math.max(0, this.source.frames - 1);
-    const last = this.manifest.times.length > 0 ? timeText(this.manifest.times, this.manifest.times[this.source.frames - 1]) : "0";
-    const running = this.source.inside ? `the run went on, at t = ${last} s, when this page was written` : `the run goes on: ${this.source.frames} frames until t = ${last} s; End goes to the last one and follows`;
-    el("notes").textContent = [...[this.anew, this.blind, this.dots, this.outside].filter((note) => note), ...this.manifest.notes, ...(this.manifest.cut ? [this.manifest.cut] : []), ...(this.trouble ? [this.trouble] : this.manifest.running ? [running] : [])].join("\n");
+    const last =
+      this.manifest.times.length > 0 ? timeText(this.manifest.times, this.manifest.times[this.source.frames - 1]) : "0";
+    const running = this.source.inside
+      ? `the run went on, at t = ${last} s, when this page was written`
+      : `the run goes on: ${this.source.frames} frames until t = ${last} s; End goes to the last one and follows`;
+    el("notes").textContent = [
+      ...[this.anew, this.blind, this.dots, this.outside].filter((note) => note),
+      ...this.manifest.notes,
+      ...(this.manifest.cut ? [this.manifest.cut] : []),
+      ...(this.trouble ? [this.trouble] : this.manifest.running ? [running] : []),
+    ].join("\n");
     el("notes").classList.toggle("cut", this.manifest.cut !== undefined);
   }
 
@@ -182,7 +194,8 @@ class Viewer {
     this.showColours();
   }
   showRange() {
-    for (const [id, end] of [["low", 0], ["high", 1]]) el(id).value = this.range && this.field().kind !== "category" ? Number(this.range[end].toPrecision(4)) : "";
+    for (const [id, end] of [["low", 0], ["high", 1]])
+      el(id).value = this.range && this.field().kind !== "category" ? Number(this.range[end].toPrecision(4)) : "";
     el("range-note").hidden = true;
   }
   // What stands in the two boxes, where it is a range; an empty box means the end of the data.
@@ -191,7 +204,8 @@ class Viewer {
     const [low, high] = ["low", "high"].map((id, end) => (el(id).value === "" ? own[end] : Number(el(id).value)));
     const fits = low < high || (low === own[0] && high === own[1]);
     el("range-note").hidden = fits;
-    el("range-note").textContent = `"from" must be less than "to": the colours still go from ${digits(this.range[0])} to ${digits(this.range[1])}`;
+    el("range-note").textContent =
+      `"from" must be less than "to": the colours still go from ${digits(this.range[0])} to ${digits(this.range[1])}`;
     if (!fits) return;
     this.range = [low, high];
     this.chosenRange = el("low").value !== "" || el("high").value !== "";
@@ -220,7 +234,8 @@ class Viewer {
     const id = frame.id[row];
     if (frame.fields[name]) return frame.fields[name][row];
     const up = this.manifest.up;
-    if (name === "height") return up.reduce((sum, part, axis) => sum + part * frame.place[3 * row + axis], this.source.along(up));
+    if (name === "height")
+      return up.reduce((sum, part, axis) => sum + part * frame.place[3 * row + axis], this.source.along(up));
     if (name === "size") return bodies.radius[id];
     if (name === "material") return bodies.material[id];
     return name === "body" ? this.groupOf[id] : id;
@@ -354,7 +369,8 @@ class Viewer {
   showMeasure() {
     if (this.plots.length === 0) return;
     const plot = this.plots.find((p) => p.name === el("measure").value) || this.plots[0];
-    el("measure-still").textContent = plot.still && plot.still.length > 0 ? "without a curve, as they do not change: " + plot.still.join(", ") : "";
+    el("measure-still").textContent =
+      plot.still && plot.still.length > 0 ? "without a curve, as they do not change: " + plot.still.join(", ") : "";
     drawPlot(el("measure-plot"), plot.lines, "time [s]", plot.label, this.manifest.times[this.at]);
   }
 
@@ -367,17 +383,25 @@ class Viewer {
     const strongest = this.manifest.strongest;
     const contacts = el("contacts").checked && this.frame.contacts;
     const none = new Float32Array(0);
-    const residual = contacts && contacts.residual && this.field().name === "residual" && this.range ? this.range : null;
+    const residual =
+      contacts && contacts.residual && this.field().name === "residual" && this.range ? this.range : null;
     const { radius, wall } = this.source.bodies;
     const limitOf = (id) => (!wall[id] && radius[id] > 0 ? 0.42 * radius[id] : Infinity);
-    if (contacts) this.contacts.show(contacts.n, contacts.from, contacts.to, contactSizes(contacts, strongest || 1, 0.42 * this.size, limitOf, residual));
+    if (contacts) {
+      const sizes = contactSizes(contacts, strongest || 1, 0.42 * this.size, limitOf, residual);
+      this.contacts.show(contacts.n, contacts.from, contacts.to, sizes);
+    }
     else this.contacts.show(0, none, none, none);
-    showForceLegend(contacts, residual ? "residual of a contact" : "contact force [N]", residual || (strongest > 0 ? [0, strongest] : null), residual ? null : [0, this.manifest.strongest_of_all]);
+    const forces = strongest > 0 ? [0, strongest] : null;
+    if (residual) showForceLegend(contacts, "residual of a contact", residual, null);
+    else showForceLegend(contacts, "contact force [N]", forces, [0, this.manifest.strongest_of_all]);
     const speed = (this.manifest.fields.find((f) => f.name === "speed").range || [0, 0])[1];
     if (el("arrows").checked && this.frame.heading && speed > 0)
       showArrows(this.arrows, this.frame, this.source.bodies, speed, 8 * this.size, (id) => this.opacity[id] > 0);
     else this.arrows.show(0, none, none, none);
-    if (el("springs").checked) showSprings(this.springs, this.frame, this.manifest, this.source.bodies, (id) => this.rowOf(id), 0.25 * this.size);
+    const rowOf = (id) => this.rowOf(id);
+    if (el("springs").checked)
+      showSprings(this.springs, this.frame, this.manifest, this.source.bodies, rowOf, 0.25 * this.size);
     else this.springs.show(0, none, none, none);
     this.dirty = true;
   }

@@ -1,7 +1,8 @@
 """An arch of 21 stones, its thickness 0.15 of its mean radius of 10 m, friction 1.
 
-Exact answer: the arch stands and nothing moves. A thrust line lies within a semicircle of t/R > 0.1075 (Milankovitch 1907;
-Heyman's 0.106), and friction 1 is far above the 0.4 at which stones slide. Error: displacement of the keystone after 5 s.
+Exact answer: the arch stands and nothing moves. A thrust line lies within a semicircle of t/R > 0.1075 (Milankovitch
+1907; Heyman's 0.106), and friction 1 is far above the 0.4 at which stones slide. Error: displacement of the keystone
+after 5 s.
 """
 import math
 

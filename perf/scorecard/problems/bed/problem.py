@@ -1,8 +1,9 @@
 """2000 spheres of 5 mm fall into a box with smooth walls and come to rest, 0.6 s.
 
-Exact answer: only the floor carries the spheres, so it bears their weight. The force on the floor follows from the overlaps by
-Hertz' formula, 4/3 E* sqrt(R) d^(3/2). Error: that of the mean force over ten poses of the last 0.1 s, relative to the weight. It
-contains what still moves, how the law lets the bed settle, and how far the wall of a code is from Hertz' formula.
+Exact answer: only the floor carries the spheres, so it bears their weight. The force on the floor follows from the
+overlaps by Hertz' formula, 4/3 E* sqrt(R) d^(3/2). Error: that of the mean force over ten poses of the last 0.1 s,
+relative to the weight. It contains what still moves, how the law lets the bed settle, and how far the wall of a code
+is from Hertz' formula.
 """
 import math
 
@@ -14,8 +15,10 @@ UNIT = "over the weight"
 DURATION = 0.6
 EVERY = 0.01
 RADIUS, ROW, DENSITY = 2.5e-3, 13, 2500.0
-WHY = ("The wall decides. One sphere at rest on it (10 mm, 2500 kg/m^3, 10 MPa, 0.3) sinks 8.50 um by Hertz, and 10.71 in YADE, which halves the "
-       "radius at a wall: an error of 0.41. LAMMPS takes E / 2 (1 - nu) for a wall; the modulus of its input compensates this.")
+WHY = ("The wall decides. One sphere at rest on it (10 mm, 2500 kg/m^3, 10 MPa, 0.3) sinks 8.50 um by Hertz, and 10.71 "
+       "in YADE, which halves the "
+       "radius at a wall: an error of 0.41. LAMMPS takes E / 2 (1 - nu) for a wall; the modulus of its input "
+       "compensates this.")
 OTHERS = "overlaps of rigid contact are no forces; the force on the floor cannot be had from poses"
 
 

@@ -9,7 +9,8 @@ TITLE = "Bouncing sphere: height after the fifth bounce"
 KIND = "bounce"
 UNIT = "relative"
 DURATION = 3.2
-WHY = ('The error of an impact that is not located within the step is proportional to the step. `impact = "sequential"` locates it '
+WHY = ('The error of an impact that is not located within the step is proportional to the step. `impact = '
+       '"sequential"` locates it '
        "and is exact at the same cost.")
 EVERY = 0.0
 RESTITUTION = 0.8

@@ -1,9 +1,11 @@
-"""A card house of three storeys: six pairs of cards that lean on each other 20 degrees off the vertical, three level ones.
+"""A card house of three storeys: six pairs of cards that lean on each other 20 degrees off the vertical, three level
+ones.
 
-The leaning cards have mitred ends: they stand on flat feet, meet in an upright face and carry on a flat top. So every contact
-is a face, and its normal is unique. Exact answer: nothing moves. A card of weight W under a load V at its top is held by its
-partner, or on the outer pairs by the friction of the level card, with H h = (W/2 + V) h tan(20). So neither foot nor top needs
-more friction than tan(20) = 0.364 < 0.5 under any load. Error: displacement of the topmost card after 2 s.
+The leaning cards have mitred ends: they stand on flat feet, meet in an upright face and carry on a flat top. So every
+contact is a face, and its normal is unique. Exact answer: nothing moves. A card of weight W under a load V at its top
+is held by its partner, or on the outer pairs by the friction of the level card, with H h = (W/2 + V) h tan(20). So
+neither foot nor top needs more friction than tan(20) = 0.364 < 0.5 under any load. Error: displacement of the topmost
+card after 2 s.
 """
 import math
 

@@ -1,9 +1,10 @@
 """Newton's cradle: a sphere at 3 m/s meets four that touch, restitution 1, no gravity.
 
-Expected answer: impacts one after the other, as between spheres with gaps that shrink to nothing. The last sphere leaves with
-the whole speed. Error: root mean square of the five speeds against that answer, over 3 m/s. A law for simultaneous impacts gives
-(-3/5, 2/5, 2/5, 2/5, 2/5), error 0.490. Hertz' contact of spheres that touch gives a third answer, which is right for steel
-balls (0.064). The status says which answer a row gives, and the energy that was gained or lost.
+Expected answer: impacts one after the other, as between spheres with gaps that shrink to nothing. The last sphere
+leaves with the whole speed. Error: root mean square of the five speeds against that answer, over 3 m/s. A law for
+simultaneous impacts gives (-3/5, 2/5, 2/5, 2/5, 2/5), error 0.490. Hertz' contact of spheres that touch gives a third
+answer, which is right for steel balls (0.064). The status says which answer a row gives, and the energy that was
+gained or lost.
 """
 import math
 
@@ -13,7 +14,8 @@ TITLE = "Cradle of five: speeds after the impact"
 KIND = "impact"
 UNIT = "over the speed"
 DURATION = 0.1
-WHY = ("The expected answer decides: only impacts one after the other send off the last ball. Simultaneous laws conserve energy and "
+WHY = ("The expected answer decides: only impacts one after the other send off the last ball. Simultaneous laws "
+       "conserve energy and "
        "spread it over the balls.")
 EVERY = 0.01
 SPEED, RADIUS = 3.0, 0.05

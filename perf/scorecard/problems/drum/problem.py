@@ -1,10 +1,10 @@
 """1500 spheres of 4 mm in a drum of 100 mm that turns at 2 rad/s, between smooth ends.
 
-There is no closed form. The drum carries the centre of the grains to the side until the moment of gravity about the axis equals
-that of friction on the wall. Measured is the angle of the centre below the axis, mean from 1 to 1.5 s. Error: against 26.4
-degrees, the mean of the finest runs of four codes (Epafi 27.8, LAMMPS 26.5, YADE 25.8, LIGGGHTS 25.3 at 2e-5 s; drums of the
-last two have 96 facets). Avalanches scatter it: six runs of Epafi at steps of 1.5e-5 to 2.3e-5 s lie from 24.6 to 29.3. Errors
-below 3 degrees are not significant.
+There is no closed form. The drum carries the centre of the grains to the side until the moment of gravity about the
+axis equals that of friction on the wall. Measured is the angle of the centre below the axis, mean from 1 to 1.5 s.
+Error: against 26.4 degrees, the mean of the finest runs of four codes (Epafi 27.8, LAMMPS 26.5, YADE 25.8, LIGGGHTS
+25.3 at 2e-5 s; drums of the last two have 96 facets). Avalanches scatter it: six runs of Epafi at steps of 1.5e-5 to
+2.3e-5 s lie from 24.6 to 29.3. Errors below 3 degrees are not significant.
 """
 import math
 
@@ -31,7 +31,8 @@ def scene():
     half = WIDTH / 2
     places = lattice(COUNT, RADIUS, (-DRUM, -half, -DRUM), (DRUM, half, DRUM), inside)
     ends = [((0.0, 1.0, 0.0), -half), ((0.0, -1.0, 0.0), -half)]
-    return Scene([grain(GRAIN, RADIUS, p) for p in places], ends, materials=[GRAIN, WALL, SIDE], tubes=[Tube("wall", "y", -half, half, (DRUM, DRUM), RATE)],
+    return Scene([grain(GRAIN, RADIUS, p) for p in places], ends, materials=[GRAIN, WALL, SIDE],
+                 tubes=[Tube("wall", "y", -half, half, (DRUM, DRUM), RATE)],
                  pairs={("grain", "grain"): (0.5, 0.5), ("grain", "wall"): (0.5, 0.8), ("grain", "side"): (0.5, 0.0)})
 
 

@@ -1,8 +1,8 @@
 """A cube of 1000 t on a cube of 1 t, both of 1 m.
 
-Exact answer: nothing moves; both stand in line on a plane. Error: displacement of the heavy cube after 2 s. The loads at the two
-joints are as 1001:1000, the masses as 1000:1. Methods that sweep over contacts need sweeps in proportion to the mass ratio;
-methods that factorise do not depend on it.
+Exact answer: nothing moves; both stand in line on a plane. Error: displacement of the heavy cube after 2 s. The loads
+at the two joints are as 1001:1000, the masses as 1000:1. Methods that sweep over contacts need sweeps in proportion
+to the mass ratio; methods that factorise do not depend on it.
 """
 from judge import displacement
 from scene import FLOOR, Scene, box

@@ -1,8 +1,9 @@
 """3000 spheres of 5 mm leave a funnel of 45 degrees through an orifice of 30 mm.
 
-There is no closed form. Measured is the number of spheres that leave from 0.3 to 0.7 s. Error: against 556, the mean of the
-finest runs of four codes (Epafi 552, LAMMPS 578, YADE 560, LIGGGHTS 533 at 2e-5 s). These lie within 4.2 % of it, so smaller
-errors are not significant. The law of Beverloo with its usual constants (0.58, k = 1.4, bulk density 0.6 of the solid) gives 534.
+There is no closed form. Measured is the number of spheres that leave from 0.3 to 0.7 s. Error: against 556, the mean
+of the finest runs of four codes (Epafi 552, LAMMPS 578, YADE 560, LIGGGHTS 533 at 2e-5 s). These lie within 4.2 % of
+it, so smaller errors are not significant. The law of Beverloo with its usual constants (0.58, k = 1.4, bulk density
+0.6 of the solid) gives 534.
 """
 from granular import Material, Tube, grain, lattice
 from scene import Scene
@@ -28,7 +29,8 @@ def scene():
         return (x[0] ** 2 + x[1] ** 2) ** 0.5 < reach
 
     places = lattice(COUNT, RADIUS, (-top, -top, RADIUS), (top, top, 0.3), inside)
-    return Scene([grain(GRAIN, RADIUS, p) for p in places], [((0.0, 0.0, 1.0), -0.3)], materials=[GRAIN, WALL], tubes=tubes,
+    return Scene([grain(GRAIN, RADIUS, p) for p in places], [((0.0, 0.0, 1.0), -0.3)], materials=[GRAIN, WALL],
+                 tubes=tubes,
                  pairs={("grain", "grain"): (0.5, 0.4), ("grain", "wall"): (0.5, 0.3)})
 
 

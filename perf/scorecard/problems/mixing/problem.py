@@ -1,10 +1,11 @@
-"""30 000 spheres of 2 mm on 8000 of 4 mm in a drum of 200 mm that begins to turn at 2 rad/s: the second case of Dosta et al. (Comput.
-Phys. Commun. 296, 2024, 109066) with the moduli of 2 and 1 MPa of its soft decks and a wall of 10 MPa. The grains came to
-rest in Epafi's smooth contact; all start from the same numbers.
+"""30 000 spheres of 2 mm on 8000 of 4 mm in a drum of 200 mm that begins to turn at 2 rad/s: the second case of Dosta
+et al. (Comput. Phys. Commun. 296, 2024, 109066) with the moduli of 2 and 1 MPa of its soft decks and a wall of 10
+MPa. The grains came to rest in Epafi's smooth contact; all start from the same numbers.
 
-There is no closed form. Error: of the moment of the grains' weight about the axis, over the weight times the drum's radius, mean
-from 0.12 to 0.15 s, against 0.0873, the mean of the finest runs of three codes (Epafi 0.0868, LAMMPS 0.0864, LIGGGHTS, whose drum
-has 96 facets, 0.0888 at 2e-5 s). These lie within 0.017 of it: smaller errors are not significant.
+There is no closed form. Error: of the moment of the grains' weight about the axis, over the weight times the drum's
+radius, mean from 0.12 to 0.15 s, against 0.0873, the mean of the finest runs of three codes (Epafi 0.0868, LAMMPS
+0.0864, LIGGGHTS, whose drum has 96 facets, 0.0888 at 2e-5 s). These lie within 0.017 of it: smaller errors are not
+significant.
 """
 import math
 
@@ -28,7 +29,8 @@ STEEL = Material("steel", 7200.0, 1e7)
 def drum(bodies, rate):
     ends = [((0.0, 1.0, 0.0), -HALF), ((0.0, -1.0, 0.0), -HALF)]
     return Scene(bodies, ends, materials=[M1, M2, STEEL], tubes=[Tube("steel", "y", -HALF, HALF, (DRUM, DRUM), rate)],
-                 pairs={("M1", "M1"): (0.5, 0.3), ("M1", "M2"): (0.45, 0.2), ("M2", "M2"): (0.4, 0.4), ("M1", "steel"): (0.4, 0.2),
+                 pairs={("M1", "M1"): (0.5, 0.3), ("M1", "M2"): (0.45, 0.2), ("M2", "M2"): (0.4, 0.4),
+                        ("M1", "steel"): (0.4, 0.2),
                         ("M2", "steel"): (0.4, 0.2)})
 
 
@@ -48,7 +50,8 @@ def scene():
 
 def measure(times, poses, scene):
     masses = [b.mass for b in scene.bodies]
-    moments = [sum(m * p[0] for m, p in zip(masses, sample)) / (sum(masses) * DRUM) for t, sample in zip(times, poses) if t > 0.115]
+    moments = [sum(m * p[0] for m, p in zip(masses, sample)) / (sum(masses) * DRUM) for t, sample in zip(times, poses)
+               if t > 0.115]
     moment = abs(sum(moments) / len(moments))
     lost = sum(math.hypot(p[0], p[2]) > DRUM + LARGE for p in poses[-1])
     error = abs(moment / REFERENCE - 1)

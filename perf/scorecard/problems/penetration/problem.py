@@ -1,9 +1,11 @@
-"""A steel ball of 20 mm strikes a bed of 25 000 spheres of 2 mm at 5 m/s: the third case of Dosta et al. (Comput. Phys. Commun. 296,
-2024, 109066) with moduli of 10 and 100 MPa. The bed came to rest in Epafi's smooth contact; all start from the same numbers.
+"""A steel ball of 20 mm strikes a bed of 25 000 spheres of 2 mm at 5 m/s: the third case of Dosta et al. (Comput.
+Phys. Commun. 296, 2024, 109066) with moduli of 10 and 100 MPa. The bed came to rest in Epafi's smooth contact; all
+start from the same numbers.
 
-There is no closed form. Measured is the depth of the ball after 8 ms over its diameter, shortly before it meets the floor (its
-motion after that depends on the last grain beneath it). Error: against 1.5005, the mean of the finest runs of four codes (Epafi
-1.508, LAMMPS 1.500, YADE 1.498, LIGGGHTS 1.496 at 5e-6 s). These lie within 0.0072 of it, so smaller errors are not significant.
+There is no closed form. Measured is the depth of the ball after 8 ms over its diameter, shortly before it meets the
+floor (its motion after that depends on the last grain beneath it). Error: against 1.5005, the mean of the finest runs
+of four codes (Epafi 1.508, LAMMPS 1.500, YADE 1.498, LIGGGHTS 1.496 at 5e-6 s). These lie within 0.0072 of it, so
+smaller errors are not significant.
 """
 from granular import Material, grain, lattice, settled
 from scene import Scene
@@ -19,7 +21,8 @@ SETTINGS = {"Epafi smooth": ["", "dt=5e-6"], "LAMMPS": ["dt=5e-6"], "LIGGGHTS": 
 OTHERS = "a problem of granular codes: twenty thousand spheres of 2 mm"
 GRAIN = Material("M1", 2500.0, 1e7)
 STEEL = Material("steel", 7200.0, 1e8)
-WALLS = [((0.0, 0.0, 1.0), 0.0), ((1.0, 0.0, 0.0), -0.049), ((-1.0, 0.0, 0.0), -0.049), ((0.0, 1.0, 0.0), -0.03), ((0.0, -1.0, 0.0), -0.03)]
+WALLS = [((0.0, 0.0, 1.0), 0.0), ((1.0, 0.0, 0.0), -0.049), ((-1.0, 0.0, 0.0), -0.049), ((0.0, 1.0, 0.0), -0.03),
+         ((0.0, -1.0, 0.0), -0.03)]
 
 
 def box(bodies):

@@ -1,8 +1,9 @@
 """200 polyhedra fall into a box, 3 s.
 
-Exact answer: rigid bodies do not overlap. Errors at the end: the deepest overlap, and the sum of overlaps per body, both over
-the sum of the radii. The separating axes of all pairs give them in double precision (overlap.py), independent of all engines.
-The status says how many bodies left the box and how fast they still move: bodies that fly about overlap little.
+Exact answer: rigid bodies do not overlap. Errors at the end: the deepest overlap, and the sum of overlaps per body,
+both over the sum of the radii. The separating axes of all pairs give them in double precision (overlap.py),
+independent of all engines. The status says how many bodies left the box and how fast they still move: bodies that fly
+about overlap little.
 """
 import math
 import os
@@ -13,7 +14,8 @@ TITLE = "Pile of 200 polyhedra"
 KIND = "pile"
 UNIT = "overlap over the sum of radii"
 DURATION = 3.0
-WHY = ("Most contacts of a loose pile are cheap to sweep. Exact solutions while the pile falls cost several times more and reduce the "
+WHY = ("Most contacts of a loose pile are cheap to sweep. Exact solutions while the pile falls cost several times more "
+       "and reduce the "
        "overlap little, since an overlap of 1e-4 is left on purpose.")
 EVERY = 0.5
 COUNT, SIDE, PITCH = 200, 1.1, 0.262

@@ -1,8 +1,8 @@
 """A sphere put on a plane at 2 m/s without spin: it slides, then rolls.
 
-Exact answer: friction mu m g brakes the sphere and turns it until the point of contact rests. From then on v = 5/7 v0, from
-t = 2 v0 / (7 mu g). Errors, relative: of the speed after 1 s, and of the time at which slip has fallen to 5 % of v0 (0.95 t;
-steps do not resolve the very end of sliding).
+Exact answer: friction mu m g brakes the sphere and turns it until the point of contact rests. From then on v = 5/7
+v0, from t = 2 v0 / (7 mu g). Errors, relative: of the speed after 1 s, and of the time at which slip has fallen to 5
+% of v0 (0.95 t; steps do not resolve the very end of sliding).
 """
 from scene import FLOOR, Scene, sphere
 
@@ -10,7 +10,8 @@ TITLE = "Sphere from sliding to rolling"
 KIND = "roll"
 UNIT = "relative"
 DURATION = 1.0
-WHY = ("With one contact the fixed cost of a step decides. Our default also takes shorter steps, a hundredth of the duration, so that "
+WHY = ("With one contact the fixed cost of a step decides. Our default also takes shorter steps, a hundredth of the "
+       "duration, so that "
        "each of its hundred snapshots falls on a step.")
 EVERY = 0.0
 SPEED, RADIUS, FRICTION = 2.0, 0.05, 0.2

@@ -1,7 +1,8 @@
 """The box of the problem `stick`, one degree above the angle of friction.
 
-Exact answer: the box slides along the fall line with a = g (sin(angle) - mu cos(angle)), by a t^2/2. Error: of the displacement
-after 2 s, as a vector, relative to it. A circumscribed pyramid of friction holds the box (error 1), an inscribed one is too weak.
+Exact answer: the box slides along the fall line with a = g (sin(angle) - mu cos(angle)), by a t^2/2. Error: of the
+displacement after 2 s, as a vector, relative to it. A circumscribed pyramid of friction holds the box (error 1), an
+inscribed one is too weak.
 """
 import importlib.util
 import math

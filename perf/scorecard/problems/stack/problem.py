@@ -1,8 +1,8 @@
 """Ten cubes on each other, each up to 2 mm out of line.
 
 Exact answer: nothing moves. Whatever the forces between the cubes, the centre of mass of all cubes above a joint lies
-within 4 mm of the middle of a face of 1 m, so each joint carries its load by pressure alone, and nothing pushes sideways.
-Error: displacement of the top cube after 2 s. A soft stack sinks; a stack that is solved inaccurately drifts.
+within 4 mm of the middle of a face of 1 m, so each joint carries its load by pressure alone, and nothing pushes
+sideways. Error: displacement of the top cube after 2 s. A soft stack sinks; a stack that is solved inaccurately drifts.
 """
 import math
 
@@ -13,7 +13,8 @@ TITLE = "Stack of ten cubes: displacement of the top one after 2 s"
 KIND = "rest"
 UNIT = "m"
 DURATION = 2.0
-WHY = ("A sweep carries a load over one joint. So engines with a fixed number of sweeps have an error that falls with the step. "
+WHY = ("A sweep carries a load over one joint. So engines with a fixed number of sweeps have an error that falls with "
+       "the step. "
        "Methods that factorise the contact problem of the stack do not.")
 EVERY = 0.05
 

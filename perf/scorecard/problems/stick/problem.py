@@ -1,7 +1,8 @@
-"""A flat box on an incline one degree below the angle of friction. The fall line lies 17 degrees off the axes of the box and of
-the world, so that the error of a pyramid in place of Coulomb's cone shows.
+"""A flat box on an incline one degree below the angle of friction. The fall line lies 17 degrees off the axes of the
+box and of the world, so that the error of a pyramid in place of Coulomb's cone shows.
 
-Exact answer: the box sticks, at rest from the first moment, since tan(angle) < mu. Error: speed of creep over the last second.
+Exact answer: the box sticks, at rest from the first moment, since tan(angle) < mu. Error: speed of creep over the
+last second.
 """
 import math
 
