@@ -1,5 +1,5 @@
-/// @file shared_list.h  The pair list of a part: where all processes make a new one in the same step, none waits for the
-/// others to do so in other steps. No result depends on a list's age.
+/// @file shared_list.h  The pair list of a part: where all processes make a new one in the same step, none waits for
+/// the others to do so in other steps. No result depends on the age of a list.
 #pragma once
 
 namespace epafi {

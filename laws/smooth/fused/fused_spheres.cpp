@@ -44,7 +44,6 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     radius_.swap(radius);
     first_ = first;
   }
-
   void set_pairs(const World& world, const SphereList& list) override {
     inverse_half_margin_ = list.inverse_half_margin;
     tells_forces_ = list.others || inverse_half_margin_.empty();
@@ -79,7 +78,6 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     find_ways(clock.dt);
     return true;
   }
-
   bool is_ahead() const override { return ahead_; }
   std::span<const double> largest_ways() const override { return ways_; }
 
@@ -123,15 +121,12 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     ahead_ = true;
     find_ways(clock.dt);
   }
-
   const Extent* extent() const override { return has_extent_ ? &extent_ : nullptr; }
-
   void publish(const World& world, ContactSet& contacts) const override {
     if (published_ || !blocks_.laid_out()) return;
     publisher_.add(world, blocks_, loads(world), contacts);
     published_ = true;
   }
-
   std::size_t own_parts() const override { return published_ || !blocks_.laid_out() ? 0 : blocks_.blocks().size(); }
   std::optional<std::size_t> own_count(std::size_t part) const override {
     if (reach_ > 0.0) return std::nullopt;
@@ -162,25 +157,22 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       contacts.force.push_back(n.on_a.force);
     }
   }
-
   void add_virial(const World& world, Virial& virial) const override {
     for (const auto& block : blocks_.blocks())
       for (std::size_t k = 0; k < 3; ++k) virial.spheres[k] += block.virial[k];
     blocks_.balls().add_virial(world, virial.balls);
   }
-
   Extent begun() const override { return seen(); }
   void take_ghosts(World& world, std::span<const Slot> ghosts) override {
     const Vec3 common = drift_.velocity_at(since_drift_ - 0.5 * dt_);
     for (const Slot s : ghosts) {
       predict_bodies(world, lag_, blocks_.late_spins_of_bodies(), s, s + 1);
-      if (!blocks_.balls().empty()) blocks_.balls().place(world, lag_, blocks_.late_spins(), s, s + 1);
+      blocks_.balls().place(world, lag_, blocks_.late_spins(), s, s + 1);
       if (!knows_ways()) continue;
       double& longest = ways_[s / blocks_.block_size()];
       longest = std::max(longest, dt_ * double{inverse_half_margin_[s]} * (world.velocity[s] - common).norm());
     }
   }
-
   void reorder(const Reordering& change) override {
     generic_->reorder(change);
     blocks_.reorder(change);
@@ -407,7 +399,6 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   SphereLoad load_of(const World& world, const SphereContact& c, const Vec3& normal) const {
     SphereLoad load{-normal_force(world, c) * normal, Vec3::Zero()};
     const SphereSprings& springs = blocks_.blocks()[c.block].springs;
-    const auto xyz = [](const Lanes& x) { return Vec3(x[0], x[1], x[2]); };
     if (laws_.needs.rolling) {
       load.force += xyz(springs.loads(c.rank).friction);
       load.moment = xyz(springs.loads(c.rank).moment);
@@ -419,16 +410,15 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   /// In the middle of the last step: what its second half added to a body is taken off again [m/s].
   Vec3 middle_velocity(const World& world, Slot place) const {
     const auto balls = static_cast<Slot>(blocks_.balls().size());
-    if (place < balls) return world_vector(all_states(world)[place].velocity);
+    if (place < balls) return xyz(all_states(world)[place].velocity);
     const Slot slot = place - balls;
     return lag_ == 0.0 ? Vec3(world.velocity[slot]) : Vec3(world.velocity[slot] - lag_ * world.acceleration(slot));
   }
 
-  static Vec3 world_vector(const Lanes& x) { return {x[0], x[1], x[2]}; }
+  static Vec3 xyz(const Lanes& x) { return {x[0], x[1], x[2]}; }
 
   /// [N]
   double normal_force(const World& world, const SphereContact& c) const {
-    const auto xyz = [](const Lanes& x) { return world_vector(x); };
     const bool wall = c.plane >= 0;
     const SphereBlocks::Block& block = blocks_.blocks()[c.block];
     const SpherePlaces& places = block.pairs[c.pair];
