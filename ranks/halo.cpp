@@ -31,9 +31,15 @@ std::size_t row_of(World& world) {
 
 }  // namespace
 
-void Halo::set_up(const World& world, std::vector<Slot> slots, std::vector<int> ranks,
+void Halo::set_up(const World& world, std::vector<std::pair<int, Slot>> sends,
                   const std::vector<std::uint32_t>& place) {
-  from_ = std::move(slots);
+  std::ranges::sort(sends);
+  std::vector<int> ranks;
+  from_.clear();
+  for (const auto& [rank, slot] : sends) {
+    ranks.push_back(rank);
+    from_.push_back(slot);
+  }
   plan_ = Plan(ranks);
   out_.resize(from_.size() * sizeof(std::uint32_t));
   for (std::size_t k = 0; k < from_.size(); ++k)

@@ -1,6 +1,7 @@
 /// @file halo.h  What a rank sees of bodies that others own: after each step their owners send what moves of them.
 #pragma once
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "engine/state/world.h"
@@ -10,9 +11,8 @@ namespace epafi {
 
 class Halo {
  public:
-  /// sends: slots and ranks; place: by slot, ascending, in the order of all bodies. By all ranks, as refresh.
-  void set_up(const World& world, std::vector<Slot> slots, std::vector<int> ranks,
-              const std::vector<std::uint32_t>& place);
+  /// sends: ranks and slots; place: by slot, ascending, in the order of all bodies. By all ranks, as refresh.
+  void set_up(const World& world, std::vector<std::pair<int, Slot>> sends, const std::vector<std::uint32_t>& place);
   /// Position, velocity, force and whatever else of the state changes in a step.
   void refresh(World& world) {
     begin(world);

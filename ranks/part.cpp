@@ -49,15 +49,11 @@ void Part::settle(StateImage& image, const Arrival& arrival) {
   take_speeds(speeds);
   figures_.bytes += arrival.bytes;
   const Routes now = territory_.routes(world, world.owner, place_, {});
-  std::vector<Slot> slots;
-  std::vector<int> ranks;
+  std::vector<std::pair<int, Slot>> sends;
   for (Slot s = 0; s < world.size(); ++s)
     for (std::uint32_t k = now.begin[s]; world.owner[s] == World::here && k < now.begin[s + 1]; ++k)
-      if (now.to[k] != rank_number()) {
-        slots.push_back(s);
-        ranks.push_back(now.to[k]);
-      }
-  halo_.set_up(world, std::move(slots), std::move(ranks), place_);
+      if (now.to[k] != rank_number()) sends.emplace_back(now.to[k], s);
+  halo_.set_up(world, std::move(sends), place_);
   settled_ = true;
 }
 

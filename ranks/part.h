@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/ranks/rank_team.h"
+#include "engine/ranks/shared_list.h"
 #include "engine/ranks/shared_model.h"
 #include "engine/step/simulation.h"
 #include "ranks/communicator.h"
@@ -82,6 +83,7 @@ class Part {
   Speeds speeds_of(const Extent& begun) const;
   void take_speeds(std::span<const double> largest);
   double act_events(double dt);
+  SharedList* shared_list() const { return dynamic_cast<SharedList*>(sim_.pipeline.broad_phase.get()); }
   SharedModel* shared_model() const { return dynamic_cast<SharedModel*>(sim_.pipeline.contact_model.get()); }
   void join_held_loads();
   void take_off_held_pulls();

@@ -14,13 +14,23 @@ namespace epafi {
 namespace {
 constexpr int tag_of_rows = 12;
 
+}  // namespace
+
 /// Rows [begin, end) of one rank.
-struct Share {
+struct Plan::Share {
   int rank;
   std::size_t begin, end;
 };
 
-std::vector<Share> shares_of(const std::vector<int>& counts) {
+struct Plan::Messages {
+  std::vector<std::size_t> order;  ///< of the rows, by rank
+  bool in_order = true;            ///< that is the order in which they are
+  std::vector<Share> out, in;
+  std::vector<std::byte> packed;  ///< until they have gone
+  std::vector<MPI_Request> requests;
+};
+
+std::vector<Plan::Share> Plan::shares_of(const std::vector<int>& counts) {
   std::vector<Share> shares;
   std::size_t at = 0;
   for (std::size_t rank = 0; rank < counts.size(); ++rank) {
@@ -31,16 +41,6 @@ std::vector<Share> shares_of(const std::vector<int>& counts) {
   return shares;
 }
 
-std::size_t size_of(const std::vector<Share>& shares) { return shares.empty() ? 0 : shares.back().end; }
-}  // namespace
-
-struct Plan::Messages {
-  std::vector<std::size_t> order;  ///< of the rows, by rank
-  std::vector<Share> out, in;
-  std::vector<std::byte> packed;  ///< until they have gone
-  std::vector<MPI_Request> requests;
-};
-
 Plan::Plan() : messages_(std::make_unique<Messages>()) {}
 Plan::Plan(Plan&&) noexcept = default;
 Plan& Plan::operator=(Plan&&) noexcept = default;
@@ -50,7 +50,8 @@ Plan::Plan(const std::vector<int>& to) : Plan() {
   Messages& m = *messages_;
   m.order.resize(to.size());
   std::iota(m.order.begin(), m.order.end(), std::size_t{0});
-  std::ranges::stable_sort(m.order, {}, [&](std::size_t k) { return to[k]; });
+  m.in_order = std::ranges::is_sorted(to);
+  if (!m.in_order) std::ranges::stable_sort(m.order, {}, [&](std::size_t k) { return to[k]; });
   std::vector<int> sent(static_cast<std::size_t>(rank_count()), 0), received(sent.size());
   for (const int rank : to) ++sent[static_cast<std::size_t>(rank)];
   MPI_Alltoall(sent.data(), 1, MPI_INT, received.data(), 1, MPI_INT, MPI_COMM_WORLD);
@@ -59,25 +60,28 @@ Plan::Plan(const std::vector<int>& to) : Plan() {
 }
 
 std::size_t Plan::sent() const { return messages_->order.size(); }
-std::size_t Plan::received() const { return size_of(messages_->in); }
+std::size_t Plan::received() const {
+  const std::vector<Share>& in = messages_->in;
+  return in.empty() ? 0 : in.back().end;
+}
 
 void Plan::begin(const std::vector<std::byte>& rows, std::size_t row, std::vector<std::byte>& arrived) {
   EPAFI_REQUIRE(rows.size() == sent() * row, "a row for each place of the plan");
   Messages& m = *messages_;
   arrived.resize(received() * row);
-  m.packed.resize(rows.size());
   MPI_Datatype type = MPI_DATATYPE_NULL;  // counts are of rows: of bytes they would end at 2 GB
   MPI_Type_contiguous(static_cast<int>(row), MPI_BYTE, &type);
   MPI_Type_commit(&type);
   m.requests.clear();
-  const auto post = [&](const Share& share, std::vector<std::byte>& bytes, const auto& call) {
-    call(bytes.data() + share.begin * row, static_cast<int>(share.end - share.begin), type, share.rank, tag_of_rows,
+  const auto post = [&](const Share& share, auto* bytes, const auto& call) {
+    call(bytes + share.begin * row, static_cast<int>(share.end - share.begin), type, share.rank, tag_of_rows,
          MPI_COMM_WORLD, &m.requests.emplace_back());
   };
-  for (const Share& share : m.in) post(share, arrived, MPI_Irecv);
-  for (std::size_t k = 0; k < m.order.size(); ++k)
+  for (const Share& share : m.in) post(share, arrived.data(), MPI_Irecv);
+  m.packed.resize(m.in_order ? 0 : rows.size());
+  for (std::size_t k = 0; k < m.packed.size() / row; ++k)
     std::memcpy(m.packed.data() + k * row, rows.data() + m.order[k] * row, row);
-  for (const Share& share : m.out) post(share, m.packed, MPI_Isend);
+  for (const Share& share : m.out) post(share, m.in_order ? rows.data() : m.packed.data(), MPI_Isend);
   MPI_Type_free(&type);
 }
 

@@ -22,12 +22,15 @@ class Plan {
     begin(rows, row, arrived);
     finish();
   }
-  /// The same in two steps. Nobody waits for ranks that send him nothing; `arrived` is not touched in between.
+  /// The same in two steps. Nobody waits for ranks that send him nothing; neither vector is touched in between. Rows in
+  /// the order of their ranks are sent from where they are.
   void begin(const std::vector<std::byte>& rows, std::size_t row, std::vector<std::byte>& arrived);
   void finish();
 
  private:
+  struct Share;
   struct Messages;
+  static std::vector<Share> shares_of(const std::vector<int>& counts);
   std::unique_ptr<Messages> messages_;
 };
 

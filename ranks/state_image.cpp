@@ -104,25 +104,32 @@ struct ContactHead {
   std::uint32_t a, b;  ///< places
 };
 
-/// Rows with heads on their way.
+/// Rows of a group with heads on their way.
 template <class Head>
 struct Parcel {
-  std::size_t row = 0;  ///< bytes, without the head
-  std::vector<int> to;
-  std::vector<std::byte> rows;
+  const RowGroup& group;
+  std::size_t row = group.row();  ///< bytes, without the head
+  struct Item {
+    int rank;
+    Head head;
+    std::size_t k;
+  };
+  std::vector<Item> items{};
+  std::vector<std::byte> rows{};
 
-  void reserve(std::size_t count) {
-    to.reserve(count);
-    rows.reserve(count * (sizeof(Head) + row));
-  }
-  void add(int rank, const Head& head, const RowGroup& group, std::size_t k) {
-    to.push_back(rank);
-    rows.resize(rows.size() + sizeof(Head) + row);
-    std::byte* const at = rows.data() + rows.size() - sizeof(Head) - row;
-    std::memcpy(at, &head, sizeof(Head));
-    group.write(k, at + sizeof(Head));
-  }
+  void add(int rank, const Head& head, std::size_t k) { items.push_back({rank, head, k}); }
   std::vector<Head> send(double& bytes) {
+    std::ranges::stable_sort(items, {}, &Item::rank);
+    rows.resize(items.size() * (sizeof(Head) + row));
+    std::vector<int> to;
+    to.reserve(items.size());
+    std::byte* at = rows.data();
+    for (const Item& item : items) {
+      to.push_back(item.rank);
+      std::memcpy(at, &item.head, sizeof(Head));
+      group.write(item.k, at + sizeof(Head));
+      at += sizeof(Head) + row;
+    }
     bytes += static_cast<double>(rows.size());
     Plan plan(to);
     std::vector<std::byte> arrived;
@@ -133,18 +140,18 @@ struct Parcel {
       std::memcpy(&heads[k], rows.data() + k * (sizeof(Head) + row), sizeof(Head));
     return heads;
   }
-  void unpack(const RowGroup& group, const std::vector<std::uint32_t>& order) const {
+  void unpack(const std::vector<std::uint32_t>& order) const {
     group.read(rows.data() + sizeof(Head), sizeof(Head) + row, order);
   }
 };
 
 /// In the order of all bodies.
 void exchange_bodies(const RowGroup& group, const Routes& routes, Arrival& arrival) {
-  Parcel<BodyHead> parcel{group.row(), {}, {}};
-  parcel.reserve(routes.to.size());
+  Parcel<BodyHead> parcel{group};
+  parcel.items.reserve(routes.to.size());
   for (std::size_t s = 0; s < routes.place.size(); ++s)
     for (std::uint32_t k = routes.begin[s]; routes.mine[s] != 0 && k < routes.begin[s + 1]; ++k)
-      parcel.add(routes.to[k], {routes.place[s], routes.owner[s]}, group, s);
+      parcel.add(routes.to[k], {routes.place[s], routes.owner[s]}, s);
   const std::vector<BodyHead> heads = parcel.send(arrival.bytes);
   std::vector<std::uint32_t> order(heads.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -154,7 +161,7 @@ void exchange_bodies(const RowGroup& group, const Routes& routes, Arrival& arriv
     arrival.owner.push_back(heads[k].owner);
   }
   EPAFI_REQUIRE(std::ranges::adjacent_find(arrival.place) == arrival.place.end(), "a body comes once");
-  parcel.unpack(group, order);
+  parcel.unpack(order);
 }
 
 bool goes_to(const Routes& routes, Slot body, int rank) {
@@ -164,26 +171,26 @@ bool goes_to(const Routes& routes, Slot body, int rank) {
 
 /// A contact goes to the owners of its bodies, sent by that of the first free one.
 void exchange_contacts(const RowGroup& group, const Routes& routes, Arrival& arrival) {
-  Parcel<ContactHead> parcel{group.row(), {}, {}};
+  Parcel<ContactHead> parcel{group};
   for (std::size_t k = 0; k < group.rows(); ++k) {
     const Slot a = *group.slot(k, 0), b = *group.slot(k, 1);
     const int first = routes.owner[a], second = routes.owner[b];
     const bool held_a = first == Routes::all_ranks, held_b = second == Routes::all_ranks;
     const ContactHead head{routes.place[a], routes.place[b]};
     if (held_a && held_b)
-      for (const int rank : routes.to_all) parcel.add(rank, head, group, k);
+      for (const int rank : routes.to_all) parcel.add(rank, head, k);
     if ((held_a && held_b) || routes.mine[held_a ? b : a] == 0) continue;
     if (routes.gathers) {
-      parcel.add(0, head, group, k);
+      parcel.add(0, head, k);
       continue;
     }
     if (routes.to_one) {  // bodies that have parted have nothing to remember
       const int rank = held_a ? second : first;
-      if (goes_to(routes, held_a ? a : b, rank)) parcel.add(rank, head, group, k);
+      if (goes_to(routes, held_a ? a : b, rank)) parcel.add(rank, head, k);
       continue;
     }
-    if (!held_a) parcel.add(first, head, group, k);
-    if (!held_b && (held_a || first != second)) parcel.add(second, head, group, k);
+    if (!held_a) parcel.add(first, head, k);
+    if (!held_b && (held_a || first != second)) parcel.add(second, head, k);
   }
   const std::vector<ContactHead> heads = parcel.send(arrival.bytes);
   const auto slot_of = [&](std::uint32_t place) {
@@ -195,7 +202,7 @@ void exchange_contacts(const RowGroup& group, const Routes& routes, Arrival& arr
   std::iota(order.begin(), order.end(), 0u);
   // those of one pair come from one rank, in the order of their features
   std::ranges::stable_sort(order, {}, [&](std::uint32_t k) { return std::pair(heads[k].a, heads[k].b); });
-  parcel.unpack(group, order);
+  parcel.unpack(order);
   for (std::size_t k = 0; k < order.size(); ++k) {
     *group.slot(k, 0) = slot_of(heads[order[k]].a);
     *group.slot(k, 1) = slot_of(heads[order[k]].b);

@@ -7,6 +7,10 @@
 
 namespace epafi {
 
+namespace {
+constexpr double nearly = 1.0 - 1e-6;  // of a margin: sums are rounded
+}
+
 void BlockBoundPairs::find_pairs(const World& world, PairList& pairs) {
   const bool grown = list_->take_in(world, pairs);
   const std::uint64_t before = pairs.generation;
@@ -72,8 +76,20 @@ bool BlockBoundPairs::keep_bounds(const World& world) {
   return true;
 }
 
+/// By displacements as long as in this step. True where the list ends in this one, with those of other processes.
+bool BlockBoundPairs::foresees_end(std::span<const double> displacements, double strain_use) {
+  double used = strain_use, next = used;
+  for (std::size_t b = 0; b < displacements.size(); ++b) {
+    used = std::max(used, used_margin_[b] + strain_use);
+    next = std::max(next, used_margin_[b] + displacements[b] + strain_use);
+  }
+  wears_out_ = next >= nearly;
+  return used_up_.out = all_wear_out_ && used > 0.5;
+}
+
 bool BlockBoundPairs::keeps_pairs(const World& world) {
   list_->see_time(world.time);
+  wears_out_ = false;
   const std::span<const double> displacements = model() ? model()->largest_displacements() : std::span<const double>{};
   displacements_known_ = !displacements.empty() && list_->bodies().bodies() == world.size();
   const bool known = keep_bounds(world);
@@ -81,15 +97,16 @@ bool BlockBoundPairs::keeps_pairs(const World& world) {
     used_margin_.clear();
     return false;
   }
-  constexpr double nearly = 1.0 - 1e-6;  // sums are rounded
   used_up_ = {};
   doubtful_.clear();
   const FatBodies& bodies = list_->bodies();
   const ListFrame now = bodies.frame(world);
   // what the cell flows past: displacements of bodies that are held, and of a frame that drifts
   const bool all = now.flows() && (bodies.holds_bounded() || !now.common.isZero(0.0));
+  const double more = world.owner.empty() ? 0.0 : 1.0;  // of several processes the next step is foreseen
   for (std::size_t b = 0; b < displacements.size(); ++b)
-    if ((used_margin_[b] += displacements[b]) + now.strain_use >= nearly || all) doubtful_.push_back(b);
+    if ((used_margin_[b] += displacements[b]) + more * displacements[b] + now.strain_use >= nearly || all)
+      doubtful_.push_back(b);
   const auto at = [&](std::size_t s) -> const Vec3& { return world.position[s]; };
   std::vector<MarginUse>& found = block_results<MarginUse>(doubtful_.size(), MarginUse{});
   parallel_for(
@@ -108,6 +125,8 @@ bool BlockBoundPairs::keeps_pairs(const World& world) {
     used_up_ += w.used_up;
     keeps = keeps && w.most < nearly;
   }
+  if (keeps && !world.owner.empty()) keeps = !foresees_end(displacements, now.strain_use);
+  all_wear_out_ = false;
   return keeps;
 }
 

@@ -6,6 +6,7 @@
 #include "detection/broad/ball_pairs.h"
 #include "detection/broad/broad_phase.h"
 #include "detection/shape_store.h"
+#include "engine/ranks/shared_list.h"
 #include "engine/step/pipeline.h"
 #include "laws/smooth/fused/fused_spheres.h"
 
@@ -14,7 +15,7 @@ namespace epafi {
 /// The list of a scene with many spheres, and half-spaces that may move. The positions of a block are read only when
 /// its displacement bound, a sum of largest displacements per step, reaches the margin: to read all positions, and to
 /// write them for it, is a fifth of the bytes of a step of 100 000 spheres.
-class BlockBoundPairs final : public BroadPhase {
+class BlockBoundPairs final : public BroadPhase, public SharedList {
  public:
   /// The model is that of the pipeline, whichever it has; the pipeline must outlive this.
   BlockBoundPairs(std::unique_ptr<ListBroadPhase> list, const Pipeline& pipeline)
@@ -22,6 +23,8 @@ class BlockBoundPairs final : public BroadPhase {
   const char* name() const override { return list_->name(); }
   void find_pairs(const World& world, PairList& pairs) override;
   bool keeps_pairs(const World& world) override;
+  bool wears_out() const override { return wears_out_; }
+  void wear_out() override { all_wear_out_ = true; }
   void reorder(const Reordering& change) override {
     used_margin_.clear();
     list_->reorder(change);
@@ -34,6 +37,7 @@ class BlockBoundPairs final : public BroadPhase {
 
  private:
   bool keep_bounds(const World& world);
+  bool foresees_end(std::span<const double> displacements, double strain_use);
   std::size_t block_size() const;
   std::size_t blocks(const World& world) const;
   ListState measure(const World& world);
@@ -44,8 +48,9 @@ class BlockBoundPairs final : public BroadPhase {
   const Pipeline& pipeline_;
   std::vector<double>
       used_margin_;  ///< by block of the model: at least the largest used_margin of its bodies; empty: not known
-  bool displacements_known_ = false;   ///< in this step
-  Vec3 cell_size_ = Vec3::Zero();      ///< as used_margin_ knows it, in a periodic cell [m]
+  bool displacements_known_ = false;               ///< in this step
+  bool wears_out_ = false, all_wear_out_ = false;  ///< as SharedList has them
+  Vec3 cell_size_ = Vec3::Zero();                  ///< as used_margin_ knows it, in a periodic cell [m]
   std::vector<Wraps> wraps_;           ///< the same: bodies put back into the cell have moved by an edge of it
   ListState used_up_;                  ///< state of the list when it ended
   std::vector<std::size_t> doubtful_;  ///< blocks whose bound has reached the margin

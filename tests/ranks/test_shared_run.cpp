@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "detection/broad/all_broad_phases.h"
 #include "detection/narrow/narrow_phase.h"
@@ -223,6 +224,18 @@ Outcome run(Simulation& sim, int steps, int& ahead) {
   return out;
 }
 
+/// Counts the steps in which all ranks, or only some of them, make new lists.
+struct NewLists {
+  std::uint64_t generation = 0;
+  int all = 0, some = 0;
+  void note(const Simulation& sim) {
+    double ranks = std::exchange(generation, sim.work.pairs.generation) != generation ? 1.0 : 0.0;
+    sum_over_ranks({&ranks, 1});
+    all += ranks == rank_count() ? 1 : 0;
+    some += ranks > 0.0 && ranks < rank_count() ? 1 : 0;
+  }
+};
+
 /// One task of rank 0 after the other, as ranks/team.cpp does it.
 class Sharing final : public RemoteSteps {
  public:
@@ -251,19 +264,26 @@ class Sharing final : public RemoteSteps {
   }
   bool step(double, const std::optional<Domain>& domain, bool run_on, StepReport& report) override {
     order(run_on ? 4 : 3);
-    return part_.step(dt, domain, run_on, report);
+    const bool sound = part_.step(dt, domain, run_on, report);
+    lists.note(mine_);
+    return sound;
   }
   bool is_ahead() const override { return mine_.is_ahead(); }
   RankFigures figures() override { return {}; }
+  NewLists lists;
   static void order(int what) { broadcast(&what, sizeof what); }
-  static void follow(Part& part) {
+  static void follow(Simulation& mine, Part& part) {
     StepReport report;
+    NewLists lists;
     for (int what = 0; what != 9;) {
       broadcast(&what, sizeof what);
       if (what == 0) part.receive(nullptr);
       if (what == 1) part.give(nullptr);
       if (what == 2 || what == 5) part.give_contacts(nullptr, what == 5);
-      if (what == 3 || what == 4) part.step(dt, std::nullopt, what == 4, report);
+      if (what == 3 || what == 4) {
+        part.step(dt, std::nullopt, what == 4, report);
+        lists.note(mine);
+      }
       if (what == 6 || what == 7) part.totals(what == 7);
       if (what == 8) part.stiffness(dt);
     }
@@ -285,7 +305,7 @@ void compare(bool fused, bool shaken, int steps) {
                         {},
                         {}};
   Part part(*mine.simulation, setup);
-  if (rank_number() != 0) return Sharing::follow(part);
+  if (rank_number() != 0) return Sharing::follow(*mine.simulation, part);
   Box alone(fused, shaken), shared(fused, shaken);
   Seen want_seen, have_seen;
   alone.simulation->step_watch = std::make_unique<Watch>(want_seen);
@@ -308,6 +328,9 @@ void compare(bool fused, bool shaken, int steps) {
   CHECK(want_seen.size() > 100);
   CHECK(have_sums == want_sums);
   CHECK(want_sums.size() > 20);
+  const NewLists& lists = dynamic_cast<const Sharing&>(*shared.simulation->remote).lists;
+  CHECK(lists.all > 0);
+  CHECK((!fused || lists.some <= lists.all / 4));
   CHECK((fused && !shaken ? ahead > steps / 2 : ahead == 0));
   CHECK(fetched <= 2 + steps / 100);  // two sorts, a removal, the end: not the looks at contacts and sums
   CHECK(want.touching > 20);

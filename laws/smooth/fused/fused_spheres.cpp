@@ -44,7 +44,6 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     radius_.swap(radius);
     first_ = first;
   }
-
   void set_pairs(const World& world, const SphereList& list) override {
     inverse_half_margin_ = list.inverse_half_margin;
     tells_forces_ = list.others || inverse_half_margin_.empty();
@@ -76,10 +75,9 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       if (balls) blocks_.balls().place(world, lag(clock), blocks_.late_spins(), begin, end);
     });
     if (balls) blocks_.balls().set_placed();
-    find_ways(clock.dt);
+    find_displacements(clock.dt);
     return true;
   }
-
   bool is_ahead() const override { return ahead_; }
   std::span<const double> largest_displacements() const override { return displacements_; }
 
@@ -121,17 +119,14 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     if (!onward) return;
     extents_.swap(next_extents_);
     ahead_ = true;
-    find_ways(clock.dt);
+    find_displacements(clock.dt);
   }
-
   const Extent* extent() const override { return has_extent_ ? &extent_ : nullptr; }
-
   void publish(const World& world, ContactSet& contacts) const override {
     if (published_ || !blocks_.laid_out()) return;
     publisher_.add(world, blocks_, loads(world), contacts);
     published_ = true;
   }
-
   std::size_t own_parts() const override { return published_ || !blocks_.laid_out() ? 0 : blocks_.blocks().size(); }
   std::optional<std::size_t> own_count(std::size_t part) const override {
     if (reach_ > 0.0) return std::nullopt;
@@ -162,32 +157,29 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       contacts.force.push_back(n.on_a.force);
     }
   }
-
   void add_virial(const World& world, Virial& virial) const override {
     for (const auto& block : blocks_.blocks())
       for (std::size_t k = 0; k < 3; ++k) virial.spheres[k] += block.virial[k];
     blocks_.balls().add_virial(world, virial.balls);
   }
-
   Extent begun() const override { return seen(); }
   void take_ghosts(World& world, std::span<const Slot> ghosts) override {
     const Vec3 common = drift_.velocity_at(since_drift_ - 0.5 * dt_);
     for (const Slot s : ghosts) {
       predict_bodies(world, lag_, blocks_.late_spins_of_bodies(), s, s + 1);
-      if (!blocks_.balls().empty()) blocks_.balls().place(world, lag_, blocks_.late_spins(), s, s + 1);
-      if (!knows_ways()) continue;
-      double& longest = ways_[s / blocks_.block_size()];
+      blocks_.balls().place(world, lag_, blocks_.late_spins(), s, s + 1);
+      if (!knows_displacements()) continue;
+      double& longest = displacements_[s / blocks_.block_size()];
       longest = std::max(longest, dt_ * double{inverse_half_margin_[s]} * (world.velocity[s] - common).norm());
     }
   }
-
   void reorder(const Reordering& change) override {
     generic_->reorder(change);
     blocks_.reorder(change);
   }
   void visit(StateVisitor& visitor) override {
     ahead_ = false;  // it may be another state that comes in
-    ways_.clear();
+    displacements_.clear();
     generic_->visit(visitor);
     blocks_.visit(visitor);
     visitor.share("spheres/others", others_);
@@ -226,7 +218,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   bool knows_displacements() const { return !inverse_half_margin_.empty(); }
   const std::uint8_t* touched() const { return is_touched_.empty() ? nullptr : is_touched_.data(); }
 
-  void find_ways(double dt) {
+  void find_displacements(double dt) {
     since_drift_ += dt;
     displacements_.resize(knows_displacements() ? largest_inverse_half_margin_.size() : 0);
     for (std::size_t i = 0; i < displacements_.size(); ++i)
@@ -276,8 +268,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
 
   /// What every block reads and writes; its own sums and moments come on top.
   SphereArrays arrays_of(const World& world, const StepClock& clock, bool tells_energy) {
-    SphereArrays arrays{
-        blocks_.planes().data(), all_states(world), 0, clock.dt, lag(clock), law_.damped, tells_energy};
+    SphereArrays arrays{blocks_.planes().data(), all_states(world), 0, clock.dt, lag(clock), law_.damped, tells_energy};
     if (!world.owner.empty()) blocks_.balls().by_place(world.owner, owner_);
     arrays.owner = world.owner.empty() ? nullptr : owner_.data();
     arrays.passes = &passes_;
@@ -408,7 +399,6 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   SphereLoad load_of(const World& world, const SphereContact& c, const Vec3& normal) const {
     SphereLoad load{-normal_force(world, c) * normal, Vec3::Zero()};
     const SphereSprings& springs = blocks_.blocks()[c.block].springs;
-    const auto xyz = [](const Lanes& x) { return Vec3(x[0], x[1], x[2]); };
     if (law_.needs.rolling) {
       load.force += xyz(springs.loads(c.rank).friction);
       load.moment = xyz(springs.loads(c.rank).moment);
@@ -420,16 +410,15 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   /// In the middle of the last step: what its second half added to a body is taken off again [m/s].
   Vec3 middle_velocity(const World& world, Slot place) const {
     const auto balls = static_cast<Slot>(blocks_.balls().size());
-    if (place < balls) return world_vector(all_states(world)[place].velocity);
+    if (place < balls) return xyz(all_states(world)[place].velocity);
     const Slot slot = place - balls;
     return lag_ == 0.0 ? Vec3(world.velocity[slot]) : Vec3(world.velocity[slot] - lag_ * world.acceleration(slot));
   }
 
-  static Vec3 world_vector(const Lanes& x) { return {x[0], x[1], x[2]}; }
+  static Vec3 xyz(const Lanes& x) { return {x[0], x[1], x[2]}; }
 
   /// [N]
   double normal_force(const World& world, const SphereContact& c) const {
-    const auto xyz = [](const Lanes& x) { return world_vector(x); };
     const bool wall = c.plane >= 0;
     const SphereBlocks::Block& block = blocks_.blocks()[c.block];
     const SpherePlaces& places = block.pairs[c.pair];
