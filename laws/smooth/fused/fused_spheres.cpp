@@ -272,6 +272,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     arrays.material = own_ < laws_.materials ? nullptr : material_.empty() ? world.material.data() : material_.data();
     arrays.materials = laws_.materials;
     arrays.own = own_;
+    arrays.resists = std::ranges::any_of(laws_.rows, [](const PairRow& row) { return row.rolling[0] != 0.0; });
     arrays.late_spins = blocks_.late_spins();
     arrays.offsets = blocks_.balls().offsets();
     arrays.balls = blocks_.balls().size();
