@@ -1,9 +1,9 @@
 /// Cone problems of matrices: the bodies are found in the pattern of M.
-#include <Eigen/Dense>
-#include <Eigen/SparseCholesky>
+#include <Eigen/LU>
 #include <algorithm>
 
 #include "engine/units/error.h"
+#include "laws/factors.h"
 #include "laws/nonsmooth/cone_problem.h"
 
 namespace epafi {
@@ -115,10 +115,11 @@ ConeProblem ConeProblem::from(const GlobalForm& form) {
   p.friction.assign(form.mu.data(), form.mu.data() + n);
   p.rows.resize(n);
   if (!groups.found || !fill_rows(form.H, groups, p)) {
-    const Eigen::SimplicialLDLT<Sparse> factor(form.M);
+    SparseFactor factor;
+    factor.compute(form.M);
     const Sparse x = factor.solve(form.H);
     Sparse w = form.H.transpose() * x;
-    const Eigen::VectorXd velocity = factor.solve(form.f);
+    const Eigen::VectorXd velocity = factor.solve(Eigen::VectorXd(form.f));
     return from_w(w, form.H.transpose() * velocity + form.w, form.mu);
   }
   std::vector<Vec6> free(groups.first.size(), Vec6::Zero());

@@ -1,7 +1,7 @@
 /// Iterative methods for linear complementarity problems.
-#include <Eigen/Dense>
 #include <cmath>
 
+#include "laws/factors.h"
 #include "laws/nonsmooth/lcp.h"
 
 namespace epafi {
@@ -52,7 +52,7 @@ VectorXd newton_step(const LcpProblem& p, const VectorXd& z, const VectorXd& w, 
     // degenerate problems make the rows of M dependent: damping picks the short step
     jacobian(i, i) += a + damping * b * std::abs(p.M(i, i));
   }
-  return jacobian.partialPivLu().solve(-f);
+  return solve_lu(jacobian, VectorXd(-f));
 }
 
 /// Newton with backtracking on the Fischer-Burmeister merit; its gradient where the Newton direction fails.

@@ -1,9 +1,9 @@
 /// Pivoting methods for linear complementarity problems.
-#include <Eigen/Dense>
 #include <algorithm>
 #include <vector>
 
 #include "engine/units/random.h"
+#include "laws/factors.h"
 #include "laws/nonsmooth/lcp.h"
 
 namespace epafi {
@@ -134,8 +134,7 @@ struct Principal {
     if (k == 0) return true;
     const MatrixXd m = p.M(basic, basic);
     const VectorXd rhs = -p.M(basic, std::vector<Index>{i});
-    const Eigen::LDLT<MatrixXd> factor(m);
-    const VectorXd x = factor.solve(rhs);
+    const VectorXd x = solve_ldlt(m, rhs);
     if (!x.allFinite() || (m * x - rhs).norm() > 1e-8 * (1.0 + rhs.norm())) return false;
     for (Index j = 0; j < k; ++j) dz[basic[static_cast<std::size_t>(j)]] = x[j];
     return true;

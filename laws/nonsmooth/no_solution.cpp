@@ -1,11 +1,12 @@
 #include "laws/nonsmooth/no_solution.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+
+#include "laws/factors.h"
 
 namespace epafi {
 
@@ -51,11 +52,7 @@ Eigen::MatrixXd block_columns(const ConeProblem& p, const std::vector<std::uint3
     for (std::size_t b = p.begin[i]; b < p.begin[i + 1]; ++b)
       if (place[p.column[b]] >= 0) w(k, place[p.column[b]]) = p.block[b](0, 0);
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> values(0.5 * (w + w.transpose()));
-  const double largest = values.eigenvalues().cwiseAbs().maxCoeff();
-  const Eigen::VectorXd roots =
-      values.eigenvalues().unaryExpr([&](double x) { return x > 1e-14 * largest ? std::sqrt(x) : 0.0; });
-  return roots.asDiagonal() * values.eigenvectors().transpose();
+  return semidefinite_root(0.5 * (w + w.transpose()));
 }
 
 NormalColumns columns_of(const ConeProblem& p, const std::vector<std::uint32_t>& chosen) {
@@ -78,8 +75,9 @@ NormalColumns columns_of(const ConeProblem& p, const std::vector<std::uint32_t>&
 /// Least |A x - b| over x >= 0 by an active set (Lawson and Hanson 1974), in the range of A alone.
 Eigen::VectorXd nonnegative_squares(const Eigen::MatrixXd& all, const Eigen::VectorXd& right) {
   const Eigen::Index n = all.cols(), rows = std::min(n, all.rows());
-  const Eigen::HouseholderQR<Eigen::MatrixXd> reduced(all);
-  const Eigen::MatrixXd a = reduced.matrixQR().topRows(rows).triangularView<Eigen::Upper>();
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> reduced(all);
+  const Eigen::MatrixXd upper = reduced.matrixQR().topRows(rows).triangularView<Eigen::Upper>();
+  const Eigen::MatrixXd a = upper * reduced.colsPermutation().transpose();
   const Eigen::VectorXd b = Eigen::VectorXd(reduced.householderQ().transpose() * right).head(rows);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
   std::vector<Eigen::Index> held;
@@ -93,7 +91,7 @@ Eigen::VectorXd nonnegative_squares(const Eigen::MatrixXd& all, const Eigen::Vec
     if (best < 0) break;
     held.push_back(best);
     while (!held.empty()) {
-      const Eigen::VectorXd z = a(Eigen::all, held).completeOrthogonalDecomposition().solve(b);
+      const Eigen::VectorXd z = a(Eigen::all, held).colPivHouseholderQr().solve(b);
       double step = 1.0;
       for (std::size_t k = 0; k < held.size(); ++k)
         if (const auto j = static_cast<Eigen::Index>(k); z(j) <= 0.0)

@@ -277,6 +277,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     arrays.material = own_ < law_.materials ? nullptr : material_.empty() ? world.material.data() : material_.data();
     arrays.materials = law_.materials;
     arrays.own = own_;
+    arrays.resists = law_.rolls;
     arrays.late_spins = blocks_.late_spins();
     arrays.offsets = blocks_.balls().offsets();
     arrays.balls = blocks_.balls().size();

@@ -24,6 +24,7 @@ struct SphereArrays {
   double reach = 0.0;                   ///< contacts hold so far beyond touch [m]
   Lanes cell_size{}, strain_rate{};     ///< of a periodic cell [m], [1/s]; fourth 0
   SpherePlace nowhere{};                ///< of a sum that is never read: for lanes after the last contact
+  bool resists = false;  ///< some pair of materials has friction against rolling; else dashpots alone ask for `rolling`
   // with rolling: spins by place, then as sums
   const Lanes* late_spins = nullptr;
   std::uintptr_t moments = 0;

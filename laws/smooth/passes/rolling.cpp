@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 
 #include "engine/lanes/targets.h"
@@ -102,9 +103,10 @@ EPAFI_LANES void find_rolling(const SphereTile<n>& t, SphereRolling<n>& r, std::
   }
   const VectorsOf<V> turning = t.group[g].lever * (a.radius * a.late_spin + b.radius * b.late_spin);
   r.slip[g] = in_plane(velocity, normal) - turning.cross(normal);
+  r.slip_mobility[g] = a.slip_mobility + b.slip_mobility;
+  if (!with.resists) return;
   r.spin[g] = in_plane(b.late_spin - a.late_spin, normal);
   r.turning[g] = in_plane(b.spin - a.spin, normal);
-  r.slip_mobility[g] = a.slip_mobility + b.slip_mobility;
   r.inertia[g] = 1.0 / (a.rolling_mobility + b.rolling_mobility);
   r.spin_inertia[g] = 1.0 / (a.inverse_inertia + b.inverse_inertia);
 }
@@ -124,10 +126,12 @@ EPAFI_LANES void add_moments(const SphereTile<n>& t, const SphereRolling<n>& r, 
   const SpherePlaces* bodies = t.bodies + g * n;
   SphereLoads* const loads = block.springs.loads();
   for (std::size_t l = 0; l < n && g * n + l < t.count; ++l) {
-    Lanes& a = with.moment(bodies[l].a);
-    store<n>(a, row<n>(a) + rows[l]);
+    if (with.resists) {
+      Lanes& a = with.moment(bodies[l].a);
+      store<n>(a, row<n>(a) + rows[l]);
+    }
     if (call.across) store<n>(block.record_moments[at.record + g * n + l], -rows[l]);
-    if (!call.wall && !call.across) {
+    if (with.resists && !call.wall && !call.across) {
       Lanes& b = with.moment(bodies[l].b);
       store<n>(b, row<n>(b) - rows[l]);
     }
@@ -149,16 +153,23 @@ struct RollingPass {
     each_group<n>(t, call, &PairRow::tangential, [&](std::size_t g, const V(&p)[PairRow::most]) EPAFI_INLINED {
       damp<n>(t, r, g, parameters_from<CoulombSpring::ParametersOf<V>>(p).damping);
     });
-    each_group<n>(t, call, &PairRow::rolling, [&](std::size_t g, const V(&p)[PairRow::most]) EPAFI_INLINED {
-      prepare<n>(t, r, g, {call.type, p[0], p[1]});
-      pull<n>(t, g, call.before, call.dt);
-    });
-    finish_pull<n>(t, call.dt);
-    for (std::size_t g = 0; g < t.groups; ++g) finish<n>(t, r, g);
+    if (call.arrays->resists) {
+      each_group<n>(t, call, &PairRow::rolling, [&](std::size_t g, const V(&p)[PairRow::most]) EPAFI_INLINED {
+        prepare<n>(t, r, g, {call.type, p[0], p[1]});
+        pull<n>(t, g, call.before, call.dt);
+      });
+      finish_pull<n>(t, call.dt);
+      for (std::size_t g = 0; g < t.groups; ++g) finish<n>(t, r, g);
+    } else {
+      for (std::size_t g = 0; g < t.groups; ++g) roll_freely<n>(t, r, g);
+      if (call.dt > 0.0) std::fill_n(call.now, t.groups * n, SphereSpring{{0.0, 0.0, 0.0, no_stiffness}});
+    }
     for (std::size_t g = 0; g < t.groups; ++g) add_moments<n>(t, r, g, call);
   }
 
  private:
+  static constexpr double no_stiffness = 1e100;  ///< what scale_springs remembers of it [rad/(N m)]
+
   /// The friction spring pulls with t.load; it and its dashpot slide together.
   template <int n, class V>
   EPAFI_LANES void damp(SphereTile<n>& t, SphereRolling<n>& r, std::size_t g, const V& damping) const {
@@ -181,6 +192,12 @@ struct RollingPass {
     c.stiffness = AnyRolling::stiffness(p, step);
     c.limit = AnyRolling::limit(p, step);
     c.slip = r.turning[g];
+  }
+  /// What the three functions around this come to without friction against rolling: a third of the pass.
+  template <int n>
+  EPAFI_LANES void roll_freely(SphereTile<n>& t, SphereRolling<n>& r, std::size_t g) const {
+    r.moment[g] = VectorsOf<typename LanesOf<n>::Real>{};
+    t.group[g].load = r.friction[g];
   }
   template <int n>
   EPAFI_LANES void finish(SphereTile<n>& t, SphereRolling<n>& r, std::size_t g) const {

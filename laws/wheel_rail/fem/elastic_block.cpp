@@ -1,11 +1,11 @@
 #include "laws/wheel_rail/fem/elastic_block.h"
 
-#include <Eigen/LU>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+
+#include "laws/factors.h"
 
 namespace epafi {
 namespace {
@@ -111,7 +111,7 @@ struct BlockSystem {
   std::vector<int> number;    ///< of free nodes, -1 on far faces
   std::vector<double> given;  ///< displacement of far nodes per force [m/N]
   Eigen::VectorXd far_load;   ///< of those on the free nodes, per force
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver;
+  SparseFactor solver;
 
   BlockSystem(const BlockMesh& mesh, double E, double nu)
       : m(mesh),

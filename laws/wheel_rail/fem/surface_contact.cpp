@@ -1,8 +1,9 @@
 #include "laws/wheel_rail/fem/surface_contact.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <vector>
+
+#include "laws/factors.h"
 
 namespace epafi {
 namespace {
@@ -33,7 +34,7 @@ bool solve_active(const SurfaceProblem& s, const NormalTarget& target, double c,
       b(i, 0) = s.level[I];
       b(i, 1) = -s.gap[I] + c * s.level[I] * held[I];
     }
-    const Eigen::MatrixXd x = A.partialPivLu().solve(b);
+    const Eigen::MatrixXd x = solve_lu(A, b);
     double f0 = 0.0, f1 = 0.0;
     for (Eigen::Index i = 0; i < m; ++i) {
       f0 += s.weight[a[static_cast<std::size_t>(i)]] * x(i, 0);

@@ -3,13 +3,12 @@
 // surfaces touch, and they have the same curvature along the track. What virtual penetration guesses (the shape of the
 // patch) is solved for; the patch need not be an ellipse nor one. Error: below 0.3 % of the peak on S1002/UIC60, 1 %
 // where two hills of pressure part (right wheel, 0.2 to 0.5 mm), 2 % at the jump; 25 to 50 strips.
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "engine/railway/elliptic_integrals.h"
+#include "laws/factors.h"
 #include "laws/wheel_rail/normal/gap_at.h"
 #include "laws/wheel_rail/normal/models.h"
 #include "laws/wheel_rail/normal/strip_influence.h"
@@ -128,7 +127,7 @@ void solve_pressures(Strips& s, const std::vector<std::size_t>& active, const In
     rhs(j, 0) = 1.0;
     rhs(j, 1) = s.gap[active[static_cast<std::size_t>(j)]];
   }
-  const Eigen::MatrixXd x = by.displacement.partialPivLu().solve(rhs);
+  const Eigen::MatrixXd x = solve_lu(by.displacement, rhs);
   double n1 = 0.0, ng = 0.0;
   for (Eigen::Index j = 0; j < n; ++j) {
     const double length = 0.5 * pi * s.a[active[static_cast<std::size_t>(j)]] * s.width;
@@ -178,7 +177,7 @@ class Mixing {
       const auto F = df_.leftCols(columns);
       const Eigen::MatrixXd M = F.transpose() * F;
       out -= (dx_.leftCols(columns) + share * F) *
-             (M + 1e-12 * M.trace() * Eigen::MatrixXd::Identity(columns, columns)).ldlt().solve(F.transpose() * f);
+             solve_ldlt(M + 1e-12 * M.trace() * Eigen::MatrixXd::Identity(columns, columns), F.transpose() * f);
     }
     x_ = x;
     f_ = f;

@@ -1,0 +1,35 @@
+/// @file factors.h  Factorisations of large matrices, compiled once: each takes two to five seconds in every file that
+/// writes it out. A vector on the right is solved otherwise than a matrix of one column, and rounds otherwise.
+#pragma once
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+#include <memory>
+
+namespace epafi {
+
+/// LU with partial pivoting.
+Eigen::VectorXd solve_lu(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
+Eigen::MatrixXd solve_lu(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
+
+/// L D L^T of a symmetric semidefinite matrix.
+Eigen::VectorXd solve_ldlt(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
+
+/// A of A^T A = w, w symmetric semidefinite but for rounding.
+Eigen::MatrixXd semidefinite_root(const Eigen::MatrixXd& w);
+
+/// L D L^T of a sparse matrix, positive definite, for many right sides.
+class SparseFactor {
+ public:
+  using Sparse = Eigen::SparseMatrix<double>;
+  SparseFactor();
+  ~SparseFactor();
+  void compute(const Sparse& a);
+  Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
+  Sparse solve(const Sparse& b) const;
+
+ private:
+  struct Solver;
+  std::unique_ptr<Solver> solver_;
+};
+
+}  // namespace epafi
