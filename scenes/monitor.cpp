@@ -7,6 +7,8 @@
 #include <limits>
 
 #include "engine/threads/parallel.h"
+#include "scenes/railway/rolling.h"
+#include "scenes/time_step.h"
 
 namespace epafi {
 
@@ -106,7 +108,7 @@ void RunMonitor::watch_models(const StepView& view) {
     std::string kind = "model: " + doubt.reason;
     std::erase_if(kind, [](unsigned char c) { return std::isdigit(c) || c == '.' || c == '-'; });
     warnings_.add({.kind = kind,
-                   .text = "a model was used where it does not hold: " + doubt.reason,
+                   .text = "a model was used where it does not hold: " + doubt.reason + model_remedy(doubt.reason),
                    .first_step = view.step,
                    .first_time = view.world.time,
                    .value = doubt.load,
@@ -140,6 +142,7 @@ void RunMonitor::warn_of_overlap(const StepView& view, const Relative& relative)
             .first_step = view.step,
             .first_time = view.world.time,
             .value = totals_.overlap_relative};
+  if (view.step > 1) w.text += overlap_remedy(totals_.overlap_relative, !view.report.has_solver);
   const ContactSet& c = view.contacts;
   for (std::size_t k = 0; k < c.size() && !w.body; ++k) {
     if (!(-c.gap[k] > 0.0) || relative(k) < totals_.overlap_relative) continue;

@@ -67,13 +67,14 @@ struct Survey {
   std::map<std::uint16_t, Smallest> free;  ///< by material
   std::map<std::uint16_t, bool> held;      ///< materials of fixed and driven bodies
   std::size_t free_bodies = 0, held_bodies = 0;
-  double fall = 0.0;                       ///< through the bodies' height [m/s]
-  double speed = 0.0;                      ///< largest of the start and of the fall through the bodies' height [m/s]
-  double diameter = infinity;              ///< of the smallest free body [m]
-  double fastest = 0.0;                    ///< at the start [m/s]
-  double load = 0.0;                       ///< weights, external forces and servo walls, all together [N]
-  double pressed = 0.0;                    ///< by the strongest servo wall, part of the load [N]
-  std::optional<Servo> plate{};            ///< the lightest servo wall without gains
+  double fall = 0.0;             ///< through the bodies' height [m/s]
+  double hit = 0.0;              ///< of the fastest body or of that fall: of an impact on a body at rest [m/s]
+  double speed = 0.0;            ///< largest of the start and of the fall through the bodies' height [m/s]
+  double diameter = infinity;    ///< of the smallest free body [m]
+  double fastest = 0.0;          ///< at the start [m/s]
+  double load = 0.0;             ///< weights, external forces and servo walls, all together [N]
+  double pressed = 0.0;          ///< by the strongest servo wall, part of the load [N]
+  std::optional<Servo> plate{};  ///< the lightest servo wall without gains
   std::map<std::uint16_t, double> plates;  ///< by material: mass of the lightest servo wall without gains [kg]
   double pressure = 0.0;                   ///< of a cell [Pa]
   Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);  ///< of the free bodies [m]
@@ -178,6 +179,7 @@ Survey survey(const Assembly& a) {
   if (a.scene.cell) out.pressure = a.scene.cell->control.pressure.value_or(0.0);
   out.fastest = fastest;
   out.fall = out.free_bodies > 0 ? fall_speed(g, high - low) : 0.0;
+  out.hit = std::max(fastest, out.fall);
   out.speed = std::max(2 * fastest, out.fall);
   return out;
 }
@@ -310,11 +312,19 @@ class ContactEstimate {
   double area_ = infinity;  ///< that the loads act on [m^2]
 };
 
+constexpr double soft_overlap = 0.3;  // of the radius: softened grains that fall through all of a scene have 0.24
+
+std::string soft_impacts(double overlap, double speed) {
+  return fmt::format("; impacts at {:.3g} m/s overlap by {:.2g} of the radius{}", speed, overlap,
+                     overlap_remedy(overlap, true));
+}
+
 TimeStep smooth_step(const Assembly& a, const Survey& s) {
   const SmoothSetup setup = smooth_setup(a.scene);
   StepLimit shortest;
   shortest.auto_step = infinity;
   std::string between;
+  double softest = 0.0;
   ContactEstimate estimate(a, s, setup);
   const auto look = [&](std::uint16_t i, const Smallest& p, std::uint16_t j, const Smallest* q) {
     const MaterialPair& pair = setup.materials.of(i, j);
@@ -328,6 +338,12 @@ TimeStep smooth_step(const Assembly& a, const Survey& s) {
     c.speed = s.speed > 0 ? s.speed : 1e-3 * std::sqrt(pair.a.youngs_modulus / pair.a.density);
     StepLimit limit = critical_step(setup, pair, c);
     const double deepest = limit.impact.largest_overlap;
+    const double radius = q ? std::min(p.radius, q->radius) : p.radius;
+    if (deepest > soft_overlap * radius && s.hit > 0.0) {
+      c.speed = s.hit;
+      softest = std::max(softest, critical_step(setup, pair, c).impact.largest_overlap / radius);
+      c.speed = s.speed;
+    }
     if (const auto plate = s.plates.find(j); !q && plate != s.plates.end()) {
       c.moved_mass = p.mass * plate->second / (p.mass + plate->second);
       c.part = pressed_step_part;
@@ -349,6 +365,7 @@ TimeStep smooth_step(const Assembly& a, const Survey& s) {
     step.value = estimate.chosen;
     step.reason = estimate.reason;
   }
+  if (softest > soft_overlap) step.reason += soft_impacts(softest, s.hit);
   step.limit = estimate.limit;
   step.limit_reason = estimate.limit_reason;
   return step;
@@ -414,6 +431,15 @@ std::string chosen_text(const Assembly& a) {
   const std::string impact = c.nonsmooth.has("impact") ? c.nonsmooth.text("impact") : "energetic";
   return out + fmt::format(" solver: {}{}, tolerance {:g}; impacts: {}\n", c.solver.value,
                            c.solver.written() ? "" : " (default)", c.nonsmooth.number_or("tolerance", 1e-6), impact);
+}
+
+/// Overlaps of an impact go like E^(-2/5) by Hertz, like k^(-1/2) by linear springs, those under a load with less.
+std::string overlap_remedy(double relative, bool smooth) {
+  constexpr double power = 2.5, wanted = 0.05;
+  if (!smooth)
+    return "; a shorter run.time_step keeps bodies apart, or more contact.nonsmooth.iterations above the tolerance";
+  return fmt::format("; {:.2g} times the stiffness (youngs_modulus, stiffness) keeps it below {}",
+                     std::pow(relative / wanted, power), wanted);
 }
 
 }  // namespace epafi

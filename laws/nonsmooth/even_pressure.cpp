@@ -10,8 +10,8 @@ namespace epafi {
 
 namespace {
 
-constexpr std::size_t most_bodies = 24;  // beside a wall: the work grows with the cube
-constexpr double noticed = 1e-3;         // of all normal impulses
+constexpr std::size_t most_bodies = 8;  // beside a wall: the work grows with the cube
+constexpr double noticed = 1e-2;        // of all normal impulses
 
 bool is_closed(const ContactProblem& problem, std::uint32_t i, double gap_rate, const Impulses& r, double touching) {
   return problem.mobility[i] > 0.0 && (r[i].x() > 0.0 || gap_rate <= touching);
@@ -19,7 +19,7 @@ bool is_closed(const ContactProblem& problem, std::uint32_t i, double gap_rate, 
 
 /// The shortest r >= 0 with the G^T r of the given one, by steps to the shortest r of the rows that carry load.
 Eigen::VectorXd shortest(const Eigen::MatrixXd& g, Eigen::VectorXd r) {
-  constexpr int rounds = 8;
+  constexpr int rounds = 4;
   constexpr double weight = 1e-12;  // of the Gram matrix: displacements that close no contact
   const Eigen::Index n = r.size();
   std::vector<char> bears(static_cast<std::size_t>(n), 1);

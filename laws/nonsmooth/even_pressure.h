@@ -15,7 +15,7 @@ namespace epafi {
 class EvenPressure {
  public:
   /// Shares the load of closed contacts beside servo walls out evenly. u = W r + q. True: r has changed by more than a
-  /// thousandth and no longer solves the problem where friction depends on it; else r is as it was.
+  /// hundredth and no longer solves the problem where friction depends on it; else r is as it was.
   bool apply(const ContactProblem& problem, const std::vector<Vec3>& u, double touching, Impulses& r);
 
  private:

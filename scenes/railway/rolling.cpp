@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <string_view>
+#include <utility>
 
 #include "detection/profiles/rolling_search.h"
 #include "scenes/contact_setup.h"
@@ -196,6 +198,33 @@ TimeStep railway_step(const Assembly& a) {
   // z^2 - (1 - 3h/2) z - h/2), 2/omega of a spring
   out.limit = std::min(omega > 0.0 ? 2.0 / omega : infinity, damping > 0.0 ? 1.0 / damping : infinity);
   return out;
+}
+
+std::string model_remedy(const std::string& reason) {
+  using Remedy = std::pair<std::string_view, std::string_view>;
+  constexpr std::string_view gap = "normal = \"semi-hertz\" takes the whole gap";
+  constexpr std::string_view cells = "tangential = \"fastsim\" knows it";
+  constexpr Remedy remedies[] = {
+      {"the curvature changes over the patch", gap},
+      {"a second region would touch", gap},
+      {"the gap is not closed at the contact point", gap},
+      {"two ellipses overlap", gap},
+      {"two regions near enough", gap},
+      {"the overlap leaves the ellipse", gap},
+      {"the pressures of the strips do not close", gap},
+      {"spin, which the law does not know", cells},
+      {"spin: ", cells},
+      {"part of the patch sticks", cells},
+      {"creepage too large for the linear theory", cells},
+      {"spin beside longitudinal creepage", cells},
+      {"strips are plane only", cells},
+      {"large spin: on the parabolic bound", "tangential = \"fastsim-elliptic\" holds there"},
+      {"spin against lateral creepage", "tangential = \"fastrip\" errs by a third of it"},
+      {"coarse grid: fewer than 10 cells along", "along = 10 or more resolves it"},
+  };
+  for (const auto& [start, remedy] : remedies)
+    if (reason.starts_with(start)) return "; contact.wheel_rail." + std::string(remedy);
+  return {};
 }
 
 }  // namespace epafi

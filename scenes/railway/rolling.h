@@ -22,4 +22,8 @@ double swing_on_springs(const Assembly& assembly);
 /// What wheels on rails and springs allow; infinite where there are none.
 TimeStep railway_step(const Assembly& assembly);
 
+/// "; contact.wheel_rail.normal = "semi-hertz" takes the whole gap", by the reason that a model gives for not holding;
+/// empty where no other model does better.
+std::string model_remedy(const std::string& reason);
+
 }  // namespace epafi

@@ -74,6 +74,17 @@ NamedBodies read_reference(Draft& draft, const TableValues& values, const std::s
   return found;
 }
 
+/// Of a measure between two: one body, named twice, has no contact with itself.
+void check_two(Draft& draft, const TableValues& values, const MeasureSpec& measure, const std::string& label) {
+  const auto one = [](const NamedBodies& n) {
+    return n.fills.empty() && n.bodies.size() == 1 && n.bodies[0].count == 1;
+  };
+  const NamedBodies &a = measure.bodies[0], &b = measure.bodies[1];
+  if (one(a) && one(b) && a.bodies[0].first == b.bodies[0].first)
+    draft.reading.error(values.place_of("between"), label + " between: '" + values.texts("between")[0] +
+                                                        "' is one body and is named twice; name two bodies or groups");
+}
+
 void read_measure(Draft& draft, const Node& item) {
   Reading& reading = draft.reading;
   const std::string label = item_label("measure", item);
@@ -112,9 +123,11 @@ void read_measure(Draft& draft, const Node& item) {
   if (p.has("body")) measure.bodies.push_back(find_bodies(draft, p.text("body"), values.place_of(name_written), label));
   if (p.has("relative_to")) measure.bodies.push_back(read_reference(draft, values, label));
   check_places(draft, values, *entry, p, label);
-  if (p.has("between"))
+  if (p.has("between")) {
     for (const auto& name : p.texts("between"))
       measure.bodies.push_back(find_bodies(draft, name, values.place_of("between"), label));
+    check_two(draft, values, measure, label);
+  }
   for (const auto& other : draft.scene.measures) {
     if (other.name != measure.name) continue;
     reading.error(

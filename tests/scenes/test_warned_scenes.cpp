@@ -9,6 +9,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/document.h"
 #include "tests/support/library_scenes.h"
+#include "tests/support/scene_run.h"
 #include "tests/support/scene_text.h"
 #include "viz_export/files/json_reader.h"
 
@@ -103,6 +104,56 @@ TEST_CASE("bodies that lie deep in each other are named, others are not", "[scen
   }
 }
 
+TEST_CASE("a soft impact is foretold, and the stiffness that is named keeps it shallow",
+          "[scenes][warnings][overlap]") {
+  // overlaps of a ball on a wall: Hertz ~ E^(-2/5), exactly; springs ~ k^(-1/2), so that they end up below what is said
+  Random random(53, 0);
+  for (int draw = 0; draw < 12; ++draw) {
+    const bool hertz = draw % 2 == 0;
+    const double radius = std::pow(10.0, random.uniform(-3, 0)), speed = std::pow(10.0, random.uniform(-1, 1));
+    const double share = random.uniform(0.55, 1.5), nu = 0.3, density = 1000.0;
+    const double mass = density * 4.0 / 3.0 * std::numbers::pi * std::pow(radius, 3);
+    // m v^2/2 = 8/15 E*/2 sqrt(R) d^(5/2), two like bodies; = k d^2/2
+    const double depth = share * radius, energy = 0.5 * mass * speed * speed;
+    const double modulus = energy / (4.0 / 15.0 * std::sqrt(radius) * std::pow(depth, 2.5)) * (1.0 - nu * nu);
+    const double spring = 2.0 * energy / (depth * depth);
+    const auto text = [&](double stiffer) {
+      const std::string law =
+          hertz ? "law = \"hertz\"" : fmt::format("law = \"linear\", stiffness = {:.17g}", stiffer * spring);
+      return fmt::format(
+          "run = {{ duration = {:.17g} }}\nworld.gravity = [0, 0, 0]\n"
+          "material.m = {{ density = {}, youngs_modulus = {:.17g}, poissons_ratio = {} }}\n"
+          "contact = {{ method = \"smooth\", restitution = 1, friction = 0, smooth = {{ {} }} }}\n"
+          "[[body]]\nname = \"wall\"\nshape = {{ half_space = {{ normal = [0, 0, 1] }} }}\nmaterial = \"m\"\nfixed = "
+          "true\n"
+          "[[body]]\nname = \"ball\"\nshape = {{ sphere = {{ radius = {:.17g} }} }}\nmaterial = \"m\"\n"
+          "position = [0, 0, {:.17g}]\nvelocity = [0, 0, {:.17g}]\n",
+          4.0 * radius / speed, density, stiffer * modulus, nu, law, radius, 1.01 * radius, -speed);
+    };
+    const auto number_after = [](const std::string& in, const std::string& before) {
+      const auto at = in.find(before);
+      return at == std::string::npos ? 0.0 : std::stod(in.substr(at + before.size()));
+    };
+    const Warned run = run_warned(text(1.0));
+    INFO(text(1.0) << run.err);
+    REQUIRE_FALSE(run.warnings.empty());
+    const double seen = number_after(run.warnings[0], "bodies overlap by "),
+                 times = number_after(run.warnings[0], "not right; ");
+    CHECK(seen == Approx(share).epsilon(0.06));  // two digits, 1.0 to 5 %
+    SceneRun soft = prepare(read_scene_text(text(1.0), "scene.toml", {}, full_registry()));
+    CHECK(number_after(soft.assembly->time_step.reason, "m/s overlap by ") == Approx(share).epsilon(0.06));
+    SceneRun stiff = start_text(text(times));
+    CHECK(stiff.assembly->time_step.reason.find("overlap") == std::string::npos);
+    double deepest = 0.0;
+    while (stiff.simulation().steps() < stiff.assembly->steps) {
+      REQUIRE_FALSE(stiff.simulation().advance(true));
+      deepest = std::max(deepest, stiff.simulation().work.report.deepest / radius);
+    }
+    if (hertz) CHECK(deepest == Approx(0.05).epsilon(0.04));  // two digits of the factor
+    CHECK(deepest < 0.05 * 1.04);
+  }
+}
+
 TEST_CASE("the automatic step of a body on springs keeps its energy without a warning", "[scenes][warnings][spring]") {
   Random random(52, 0);
   for (int draw = 0; draw < 16; ++draw) {
@@ -131,4 +182,28 @@ TEST_CASE("the automatic step of a body on springs keeps its energy without a wa
     // (omega dt)^2 / 4 at 40 steps a period
     CHECK(std::abs(run.energy_error) < 6.5e-3);
   }
+}
+
+TEST_CASE("a measure between a body and itself is an error, between a group and itself is not", "[scenes][warnings]") {
+  const std::string scene =
+      "run = { duration = 0.01 }\nmaterial.m = { density = 1000 }\n"
+      "contact = { method = \"nonsmooth\", restitution = 0, friction = 0 }\n"
+      "[[body]]\nname = \"ball\"\nrepeat = 3\nshape = { sphere = { radius = 0.1 } }\nmaterial = \"m\"\n"
+      "position = [\"= i\", 0, 0]\n";
+  for (const char* kind : {"contact", "hysteresis"})
+    for (const auto& [a, b, fine] : {std::tuple("ball[1]", "ball[1]", false), std::tuple("ball[0]", "ball[2]", true),
+                                     std::tuple("ball", "ball", true)}) {
+      if (kind == std::string("hysteresis") && a == std::string("ball")) continue;  // of one contact
+      const std::string text =
+          scene + fmt::format("[[measure]]\nkind = \"{}\"\nbetween = [\"{}\", \"{}\"]\n", kind, a, b);
+      const ReadResult read = read_scene_text(text, "scene.toml", {}, full_registry());
+      INFO(text);
+      for (const Problem& p : read.problems) UNSCOPED_INFO(p.to_string());
+      CHECK(read.problems.empty() == fine);
+      if (!fine) {
+        REQUIRE(read.problems.size() == 1);
+        CHECK_THAT(read.problems[0].to_string(),
+                   Catch::StartsWith("scene.toml:12:") && Catch::Contains("'ball[1]' is one body and is named twice"));
+      }
+    }
 }

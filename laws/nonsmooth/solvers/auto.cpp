@@ -207,6 +207,16 @@ bool Auto::is_hopeless(Part& part) const {
   return !(part.problem.residual(part.r, part.u) <= tolerance_);
 }
 
+/// The islands for stages 2 and 3, the small ones first: an interrupted solve has most of them done.
+void Auto::order_unfinished() {
+  order_.clear();
+  for (std::uint32_t k = 0; k < islands_.size(); ++k)
+    if (unfinished(*parts_[k], reports_[k])) order_.push_back(k);
+  std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::pair(islands_.contacts(a).size(), a) < std::pair(islands_.contacts(b).size(), b);
+  });
+}
+
 SolverReport Auto::solve(const ConeProblem& problem, Impulses& r) {
   islands_.find(problem);
   const std::size_t count = islands_.size();
@@ -234,12 +244,7 @@ SolverReport Auto::solve(const ConeProblem& problem, Impulses& r) {
     if (is_hopeless(*parts_[k])) return {false, 0, infinity};
   parallel_for(
       count, [&](std::size_t k) { reports_[k] = begin(*parts_[k], parts_[k]->problem, parts_[k]->swept, k); }, 1);
-  order_.clear();  // the small ones first: an interrupted solve has most of them done
-  for (std::uint32_t k = 0; k < count; ++k)
-    if (unfinished(*parts_[k], reports_[k])) order_.push_back(k);
-  std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return std::pair(islands_.contacts(a).size(), a) < std::pair(islands_.contacts(b).size(), b);
-  });
+  order_unfinished();
   parallel_for(
       order_.size(),
       [&](std::size_t j) {

@@ -81,6 +81,7 @@ class Auto final : public ConeSolver {
   std::vector<Mat3> derivative() const;
   void resume(const ConeProblem& problem, const std::vector<Mat3>& derivative);
 
+  void order_unfinished();
   void note(std::size_t contacts, const SolverReport& report);
   void look_back();
 
