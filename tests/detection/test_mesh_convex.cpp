@@ -227,14 +227,16 @@ S random_body(Random& random) {
 
 const char* const rock_names[] = {"table", "plate", "steps", "hull"};
 
-/// Of all poses, those that may be wrong: on steps, whose faces bend both ways, regions of flat bodies go across
-/// hollows.
+/// Of all poses, those that may be wrong. On steps, whose faces bend both ways, the region of a flat body may go across
+/// a hollow in which the body is; parts of solids that end at one place each bring a contact.
 template <class S>
 double known_share(support::RockKind kind) {
+  if constexpr (std::is_same_v<S, Sphere> || std::is_same_v<S, Clump>) return 0.0;
   if constexpr (std::is_same_v<S, SolidParts>) return 0.01;
-  if constexpr (PolyhedralShape<S>) return kind == support::RockKind::steps ? 0.01 : 2e-4;
-  if constexpr (std::is_same_v<S, Cylinder>) return 2e-4;
-  return 0.0;
+  const bool steps = kind == support::RockKind::steps, plate = kind == support::RockKind::plate;
+  if constexpr (PolyhedralShape<S>) return steps ? 0.01 : plate ? 2e-3 : 2e-4;
+  if constexpr (std::is_same_v<S, Cylinder>) return steps ? 1e-3 : 2e-4;
+  return 1e-4;
 }
 
 template <class S>
@@ -242,7 +244,7 @@ void sweep(long count, bool told) {
   for (const support::RockKind kind :
        {support::RockKind::table, support::RockKind::plate, support::RockKind::steps, support::RockKind::hull}) {
     Random random(650, static_cast<std::uint64_t>(kind));
-    if (!told && known_share<S>(kind) > 1e-3) continue;
+    if (!told && known_share<S>(kind) > 5e-3) continue;
     support::MeshSweep<S> poses(kind, random);
     support::SweepTally t;
     while (t.poses < count / 4) poses.take(random_body<S>(random), t);
