@@ -1,9 +1,13 @@
 // Convex bodies that overlap the closed surface of a hull by less than a hundredth of their size: the surface must hold
 // them as the hull would, on faces, edges and corners. The hull's answer is GJK's and EPA's.
+#include <fmt/format.h>
 #include "detection/narrow/gjk/epa.h"
 #include "detection/narrow/gjk/gjk.h"
+
+#include <cstdio>
+
 #include "tests/support/catch.h"
-#include "tests/support/pair_errors.h"
+#include "tests/support/mesh_sweep.h"
 
 using namespace epafi;
 
@@ -72,31 +76,6 @@ Found held(int count) {
   return out;
 }
 
-/// A table as a file may have it: every side in n by n squares, every triangle with corners of its own.
-TriangleSurface table_surface(const Vec3& half, int n, Random& random) {
-  TriangleSurface s;
-  for (int axis = 0; axis < 3; ++axis)
-    for (const double side : {-1.0, 1.0})
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) {
-          const auto corner = [&](int di, int dj) {
-            Vec3 x;
-            x[axis] = side * half[axis];
-            x[(axis + 1) % 3] = half[(axis + 1) % 3] * (2.0 * (i + di) / n - 1.0);
-            x[(axis + 2) % 3] = half[(axis + 2) % 3] * (2.0 * (j + dj) / n - 1.0);
-            return x;
-          };
-          const std::array<Vec3, 4> q{corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)};
-          const std::size_t first = random.bits() & 1u;
-          for (const std::size_t k : {std::size_t{1}, std::size_t{2}}) {
-            const auto at = static_cast<std::uint32_t>(s.vertices.size());
-            for (const std::size_t c : {first, first + k, first + k + 1}) s.vertices.push_back(q[c % 4]);
-            s.triangles.push_back({at, at + 1, at + 2});
-          }
-        }
-  return s;
-}
-
 /// Flat bodies laid over faces, edges and corners of the table, tilted by 1e-8 to 0.03 rad, up to a thousandth deep.
 template <class A>
 Found laid(const A& a, int count, std::uint64_t stream) {
@@ -118,7 +97,8 @@ Found laid(const A& a, int count, std::uint64_t stream) {
     const Vec3 at(random.uniform(-0.8, 0.8), random.uniform(-0.8, 0.8), 0.3 + a.bounding_radius());
     body.position = turn * at;
     world.add(body);
-    body.shape = shapes.add(TriangleMesh::from_surface(table_surface(half, 1 + random.bits() % 4, random))).packed;
+    body.shape =
+        shapes.add(TriangleMesh::from_surface(support::table_surface(half, 1 + random.bits() % 4, random))).packed;
     body.orientation = turn;
     body.position = Vec3::Zero();
     world.add(body);
@@ -135,92 +115,11 @@ Found laid(const A& a, int count, std::uint64_t stream) {
   return out;
 }
 
-struct Plate {
-  std::vector<std::vector<bool>> filled;  ///< cells of the plan
-  Vec3 cell;                              ///< [m]
-
-  bool at(int i, int j) const {
-    const int n = static_cast<int>(filled.size());
-    return i >= 0 && j >= 0 && i < n && j < n && filled[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-  }
-  Vec3 corner(int i, int j, int k) const { return cell.cwiseProduct(Vec3(i, j, k)); }
-};
-
-/// No two filled cells touch at a corner only.
-Plate random_plate(Random& random, int n) {
-  while (true) {
-    Plate p{std::vector<std::vector<bool>>(static_cast<std::size_t>(n), std::vector<bool>(static_cast<std::size_t>(n))),
-            Vec3(random.uniform(0.1, 0.3), random.uniform(0.1, 0.3), random.uniform(0.1, 0.3))};
-    int count = 0;
-    for (auto& row : p.filled)
-      for (std::size_t j = 0; j < row.size(); ++j) count += row[j] = random.uniform() < 0.75;
-    bool pinched = count == 0;
-    for (int i = 0; i <= n; ++i)
-      for (int j = 0; j <= n; ++j)
-        pinched = pinched || (p.at(i, j) == p.at(i - 1, j - 1) && p.at(i - 1, j) == p.at(i, j - 1) &&
-                              p.at(i, j) != p.at(i - 1, j));
-    if (!pinched) return p;
-  }
-}
-
-TriangleSurface surface_of(const Plate& p, Random& random) {
-  TriangleSurface s;
-  const auto add = [&](const std::array<Vec3, 4>& q) {
-    const std::size_t first = random.bits() & 1u;
-    for (const std::size_t k : {std::size_t{1}, std::size_t{2}}) {
-      const auto at = static_cast<std::uint32_t>(s.vertices.size());
-      for (const std::size_t c : {first, first + k, first + k + 1}) s.vertices.push_back(q[c % 4]);
-      s.triangles.push_back({at, at + 1, at + 2});
-    }
-  };
-  const int n = static_cast<int>(p.filled.size());
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j) {
-      if (!p.at(i, j)) continue;
-      const auto c = [&](int di, int dj, int k) { return p.corner(i + di, j + dj, k); };
-      add({c(0, 0, 1), c(1, 0, 1), c(1, 1, 1), c(0, 1, 1)});
-      add({c(0, 0, 0), c(0, 1, 0), c(1, 1, 0), c(1, 0, 0)});
-      if (!p.at(i - 1, j)) add({c(0, 0, 0), c(0, 0, 1), c(0, 1, 1), c(0, 1, 0)});
-      if (!p.at(i + 1, j)) add({c(1, 0, 0), c(1, 1, 0), c(1, 1, 1), c(1, 0, 1)});
-      if (!p.at(i, j - 1)) add({c(0, 0, 0), c(1, 0, 0), c(1, 0, 1), c(0, 0, 1)});
-      if (!p.at(i, j + 1)) add({c(0, 1, 0), c(0, 1, 1), c(1, 1, 1), c(1, 1, 0)});
-    }
-  return s;
-}
-
-struct SolidPart {
-  Box box;
-  Vec3 centre;
-};
-
-/// The largest boxes in the plate: a way out of it is a way out of all of them.
-std::vector<SolidPart> parts_of(const Plate& p) {
-  const int n = static_cast<int>(p.filled.size());
-  const auto all = [&](int i0, int i1, int j0, int j1) {
-    for (int i = i0; i < i1; ++i)
-      for (int j = j0; j < j1; ++j)
-        if (!p.at(i, j)) return false;
-    return true;
-  };
-  std::vector<SolidPart> out;
-  for (int i0 = 0; i0 < n; ++i0)
-    for (int i1 = i0 + 1; i1 <= n; ++i1)
-      for (int j0 = 0; j0 < n; ++j0)
-        for (int j1 = j0 + 1; j1 <= n; ++j1) {
-          if (!all(i0, i1, j0, j1) || all(i0 - 1, i1, j0, j1) || all(i0, i1 + 1, j0, j1) || all(i0, i1, j0 - 1, j1) ||
-              all(i0, i1, j0, j1 + 1))
-            continue;
-          const Vec3 low = p.corner(i0, j0, 0), high = p.corner(i1, j1, 1);
-          out.push_back({Box(0.5 * (high - low)), 0.5 * (low + high)});
-        }
-  return out;
-}
-
 /// Deepest way out of the parts, world axes.
 template <class A>
-Way parts_answer(const A& a, const Pose& pa, const std::vector<SolidPart>& parts, const Pose& plate) {
+Way parts_answer(const A& a, const Pose& pa, const std::vector<support::RockPart>& parts, const Pose& plate) {
   Way deepest{infinity, Vec3::Zero()};
-  for (const SolidPart& p : parts) {
+  for (const support::RockPart& p : parts) {
     const Way w = hull_answer(a, pa, p.box, {plate.position + plate.orientation * p.centre, plate.orientation});
     if (w.gap < deepest.gap) deepest = w;
   }
@@ -236,8 +135,8 @@ Found notched(const A& a, int count, std::uint64_t stream) {
     ShapeStore shapes;
     World world(Columns{.rotation = true, .force = false});
     const int n = 2 + static_cast<int>(random.bits() % 3);
-    const Plate plate = random_plate(random, n);
-    const auto parts = parts_of(plate);
+    const support::SteppedRock plate = support::random_rock(random, {n, n, 1});
+    const auto parts = support::parts_of(plate);
     const double tilt = random.bits() % 5 == 0 ? 0.0 : std::pow(10.0, random.uniform(-8, -1.5));
     const Quat down(Eigen::AngleAxisd(0.5 * testing::pi * (random.bits() % 4), Vec3::Unit(random.bits() % 3)));
     const Quat yaw(Eigen::AngleAxisd(random.uniform(0, 2 * testing::pi), Vec3::UnitZ()));
@@ -249,7 +148,7 @@ Found notched(const A& a, int count, std::uint64_t stream) {
     body.position = turn * (plate.corner(n, n, 1).cwiseProduct(Vec3(random.uniform(), random.uniform(), 1.0)) +
                             Vec3(0, 0, random.uniform(0.2, 1.0) * size));
     world.add(body);
-    body.shape = shapes.add(TriangleMesh::from_surface(surface_of(plate, random))).packed;
+    body.shape = shapes.add(TriangleMesh::from_surface(support::surface_of(plate, random))).packed;
     body.orientation = turn;
     body.position = Vec3::Zero();
     world.add(body);
@@ -291,6 +190,81 @@ void check_held(int count, int off) {
   check_found<A>(held<A>(count), off);
 }
 
+/// Sizes from 0.03 to 0.6 m, up to 1 to 30 for those that may be flat or long.
+template <class S>
+S random_body(Random& random) {
+  const auto size = [&] { return std::pow(10.0, random.uniform(-1.5, -0.2)); };
+  const auto sizes = [&] {
+    const double x = size(), y = size(), z = size();
+    return Vec3(x, y, z);
+  };
+  if constexpr (std::is_same_v<S, Sphere>)
+    return Sphere{size()};
+  else if constexpr (std::is_same_v<S, ConvexHull>)
+    return support::random_hull(random, 6 + random.bits() % 20, sizes());
+  else if constexpr (std::is_same_v<S, Superquadric>) {
+    const Vec3 axes = testing::random_point(random, 0.1, 0.3);
+    const int second = 2 + static_cast<int>(random.bits() % 7), first = 2 + static_cast<int>(random.bits() % 7);
+    return Superquadric(axes, first, second);
+  } else if constexpr (std::is_same_v<S, Ellipsoid>)
+    return Ellipsoid(testing::random_point(random, 0.05, 0.5));
+  else if constexpr (std::is_same_v<S, Clump>) {
+    Clump clump;
+    const std::size_t count = 2 + random.bits() % 4;
+    for (std::size_t k = 0; k < count; ++k)
+      clump.parts.push_back({0.2 * testing::random_point(random), random.uniform(0.05, 0.2)});
+    return clump;
+  } else if constexpr (std::is_same_v<S, SolidParts>) {
+    const support::SteppedRock cells =
+        support::random_rock(random, {2, 2, 1 + static_cast<int>(random.bits() % 2)}, 0.6);
+    return place_solid(support::surface_of(cells, random)).solid;
+  } else if constexpr (std::is_constructible_v<S, double, double>) {
+    const double second = size(), first = size();
+    return S(first, second);
+  } else
+    return S(sizes());
+}
+
+const char* const rock_names[] = {"table", "plate", "steps", "hull"};
+
+/// Of all poses, those that may be wrong. On steps, whose faces bend both ways, the region of a flat body may go across
+/// a hollow in which the body is; parts of solids that end at one place each bring a contact.
+template <class S>
+double known_share(support::RockKind kind) {
+  if constexpr (std::is_same_v<S, Sphere> || std::is_same_v<S, Clump>) return 0.0;
+  if constexpr (std::is_same_v<S, SolidParts>) return 0.01;
+  const bool steps = kind == support::RockKind::steps, plate = kind == support::RockKind::plate;
+  if constexpr (PolyhedralShape<S>) return steps ? 0.01 : plate ? 2e-3 : 2e-4;
+  if constexpr (std::is_same_v<S, Cylinder>) return steps ? 1e-3 : 2e-4;
+  return 1e-4;
+}
+
+template <class S>
+void sweep(long count, bool told) {
+  for (const support::RockKind kind :
+       {support::RockKind::table, support::RockKind::plate, support::RockKind::steps, support::RockKind::hull}) {
+    Random random(650, static_cast<std::uint64_t>(kind));
+    if (!told && known_share<S>(kind) > 5e-3) continue;
+    support::MeshSweep<S> poses(kind, random);
+    support::SweepTally t;
+    while (t.poses < count / 4) poses.take(random_body<S>(random), t);
+    const auto text = fmt::format(
+        "{:12} {:6} {:7} poses, {} wrong, {:7} contacts, {} missed, {} too deep, {} off, {} invented, {} crowded, {} "
+        "of {} walls "
+        "missed, worst {:.1e}",
+        S::name, rock_names[static_cast<int>(kind)], t.poses, t.wrong, t.contacts, t.missed, t.too_deep, t.off,
+        t.invented, t.crowded, t.missed_walls, t.walls, t.worst);
+    if (told) std::puts(text.c_str());
+    INFO(text);
+    CHECK(static_cast<double>(t.wrong) <= known_share<S>(kind) * static_cast<double>(t.poses));
+  }
+}
+
+template <class... S>
+void sweep_all(long count, bool told) {
+  (sweep<S>(count, told), ...);
+}
+
 }  // namespace
 
 TEST_CASE("a convex surface of triangles holds every body as the solid would, at faces, edges and corners",
@@ -319,4 +293,12 @@ TEST_CASE("flat bodies over notches and holes of plates are as deep as in the la
   check_notched(Cylinder(0.1, 0.2), 300, 2);
   check_notched(Cylinder(0.3, 0.02), 300, 3);
   check_notched(Sphere(0.1), 300, 4);
+}
+
+TEST_CASE("bodies on surfaces of triangles are held as by the solids inside", "[detection][mesh][sweep][long]") {
+  sweep_all<Sphere, Capsule, Cylinder, Box, ConvexHull, Ellipsoid, Superquadric, Clump, SolidParts>(800, false);
+}
+
+TEST_CASE("1e5 poses of every shape on surfaces of triangles", "[detection][mesh][sweep][slow]") {
+  sweep_all<Sphere, Capsule, Cylinder, Box, ConvexHull, Ellipsoid, Superquadric, Clump, SolidParts>(100000, true);
 }

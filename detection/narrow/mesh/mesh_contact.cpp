@@ -63,7 +63,10 @@ void drop_far(const TriangleMesh& mesh, const Vec3& x, double distance, std::siz
 }
 
 void reduce(std::vector<MeshPoint>& points, double size, bool springs) {
-  std::sort(points.begin(), points.end(), [](const MeshPoint& a, const MeshPoint& b) { return a.feature < b.feature; });
+  // regions that share an edge give its points one name: the deepest stays
+  std::sort(points.begin(), points.end(), [](const MeshPoint& a, const MeshPoint& b) {
+    return a.feature != b.feature ? a.feature < b.feature : a.gap < b.gap;
+  });
   std::size_t kept = 0;
   for (const MeshPoint& p : points) {
     const auto one = [&](const MeshPoint& o) {

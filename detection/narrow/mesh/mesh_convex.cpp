@@ -184,9 +184,21 @@ class ConvexOnMesh {
       for (const std::uint32_t member : region_.triangles) spoken_[place_of(triangles_, member)] |= front ? 1 : 2;
       solve();
     }
+    for (std::size_t k = solved_.size(); k-- > 0;)
+      if (const Solved& s = solved_[k]; s.is_known)
+        out_.erase(out_.begin() + s.first_point, out_.begin() + s.last_point);
   }
 
  private:
+  /// A region with contacts.
+  struct Solved {
+    WayOut way;
+    bool front, at_edge;
+    std::ptrdiff_t begin, end;               ///< of its triangles
+    std::ptrdiff_t first_point, last_point;  ///< of its contacts
+    bool is_known = false;                   ///< another region that was solved later holds the body there
+  };
+
   /// Finds the triangles that the body is near to, of a plane the first one, and takes them in place of the candidates;
   /// with their neighbours where the surface bends: the way out may lean on a face beyond a blunt edge. False: none is.
   bool find_near() {
@@ -222,21 +234,29 @@ class ConvexOnMesh {
     // a plane within 1e-5 rad of the way out is meant
     const bool along = way.normal.cross(best.normal).squaredNorm() <= along_face * along_face;
     const double slack = along ? b_.tolerance : 1e-3 * b_.tolerance + 1e-12 * region_.radius;
-    const bool at_edge = best.gap < way.gap - slack;
-    const bool leans = at_edge && leans_on_others(way);
-    const std::size_t before = out_.size();
-    if (at_edge && !leans) {
-      if (is_known(way)) return;
+    const bool bent = best.gap < way.gap - slack, leans = bent && leans_on_others(way), at_edge = bent && !leans;
+    if (!at_edge) way = {leans ? way.gap : best.gap, best.normal, way.on_mesh, 0.0};
+    const auto begin = static_cast<std::ptrdiff_t>(solved_triangles_.size());
+    solved_triangles_.insert(solved_triangles_.end(), region_.triangles.begin(), region_.triangles.end());
+    const auto before = static_cast<std::ptrdiff_t>(out_.size());
+    Solved now{way,    region_.front, at_edge, begin, static_cast<std::ptrdiff_t>(solved_triangles_.size()),
+               before, before};
+    if (std::ranges::any_of(solved_, [&](const Solved& s) { return holds(s, now); })) return;
+    if (at_edge)
       side_.at_edge(b_, region_, way, [&](const Vec3& x, double gap, std::uint32_t t, std::uint32_t name) {
         out_.push_back({x, way.normal, gap, mesh_feature(t, name)});
       });
-      hold_deepest(way, before);
-      return remember(way);
+    else
+      on_face(best.triangle, best.normal, region_.triangles, leans ? Face::leaning : Face::bent);
+    if (!leans) hold_deepest(way, static_cast<std::size_t>(before));
+    now.last_point = static_cast<std::ptrdiff_t>(out_.size());
+    if (now.last_point == before) return;
+    if (leans) {
+      now.way.gap = infinity;
+      for (auto p = out_.begin() + before; p != out_.end(); ++p) now.way.gap = std::min(now.way.gap, p->gap + b_.sweep);
     }
-    on_face(best.triangle, best.normal, region_.triangles, leans ? Face::leaning : Face::bent);
-    const WayOut out{best.gap, best.normal, way.on_mesh, 0.0};
-    if (!leans) hold_deepest(out, before);
-    if (out_.size() > before) remember(out);
+    for (Solved& s : solved_) s.is_known = s.is_known || holds(now, s);
+    solved_.push_back(now);
   }
 
   /// Where the deepest point of the body hangs over a rim, or lies between the corners of a round end, the region's own
@@ -269,8 +289,8 @@ class ConvexOnMesh {
 
   /// Walls around a notch, seen from behind, bend away from each other, but nothing is between them.
   bool is_on_surface(const Vec3& x) const {
-    return region_.front || std::any_of(triangles_.begin(), triangles_.end(),
-                                        [&](std::uint32_t t) { return lies_on(mesh_, t, x, 10.0 * b_.tolerance); });
+    return std::any_of(triangles_.begin(), triangles_.end(),
+                       [&](std::uint32_t t) { return lies_on(mesh_, t, x, 10.0 * b_.tolerance); });
   }
   const RegionPlane& best_plane() {
     for (RegionPlane& p : region_.planes) p.gap = p.normal.dot(b_.tip(-p.normal) - p.point);
@@ -296,17 +316,17 @@ class ConvexOnMesh {
     }
     return false;
   }
-  void remember(const WayOut& way) {
-    const auto begin = static_cast<std::ptrdiff_t>(solved_triangles_.size());
-    solved_triangles_.insert(solved_triangles_.end(), region_.triangles.begin(), region_.triangles.end());
-    solved_.push_back({way, begin, static_cast<std::ptrdiff_t>(solved_triangles_.size())});
-  }
-  /// The point belongs to a region that is known to be as deep.
-  bool is_known(const WayOut& way) const {
-    return std::any_of(solved_.begin(), solved_.end(), [&](const Solved& s) {
-      return s.way.gap <= way.gap + b_.tolerance && s.way.normal.dot(way.normal) > same_edge_cosine &&
-             std::any_of(solved_triangles_.begin() + s.begin, solved_triangles_.begin() + s.end,
-                         [&](std::uint32_t t) { return lies_on(mesh_, t, way.on_mesh, b_.tolerance); });
+  /// The way out of `o` leads from a point of `s`, which is as deep, whichever was solved first: it is one edge or
+  /// corner, or `o` is `s` seen from the other side without the neighbours that bend away from the body.
+  bool holds(const Solved& s, const Solved& o) const {
+    const bool one_side = s.front == o.front;
+    if (one_side && !(o.at_edge && s.way.normal.dot(o.way.normal) > same_edge_cosine)) return false;
+    const bool less = !one_side && s.end - s.begin < o.end - o.begin;
+    if (!(s.way.gap <= o.way.gap + (less ? -1.0 : 1.0) * b_.tolerance)) return false;
+    const auto first = solved_triangles_.begin();
+    return std::any_of(first + s.begin, first + s.end, [&](std::uint32_t t) {
+      return (one_side || std::binary_search(first + o.begin, first + o.end, t)) &&
+             lies_on(mesh_, t, o.way.on_mesh, b_.tolerance);
     });
   }
 
@@ -407,10 +427,6 @@ class ConvexOnMesh {
     return through;
   }
 
-  struct Solved {
-    WayOut way;
-    std::ptrdiff_t begin, end;  ///< of its triangles
-  };
   struct Room {  // keeps its size: no allocation once the largest contact was seen
     std::vector<std::uint32_t> near, around;
     std::vector<unsigned char> spoken;
