@@ -231,10 +231,10 @@ const char* const rock_names[] = {"table", "plate", "steps", "hull"};
 /// a hollow in which the body is; parts of solids that end at one place each bring a contact.
 template <class S>
 double known_share(support::RockKind kind) {
-  if constexpr (std::is_same_v<S, Sphere> || std::is_same_v<S, Clump>) return 0.0;
+  if constexpr (std::is_same_v<S, Sphere>) return 0.0;
   if constexpr (std::is_same_v<S, SolidParts>) return 0.01;
   const bool steps = kind == support::RockKind::steps, plate = kind == support::RockKind::plate;
-  if constexpr (PolyhedralShape<S>) return steps ? 0.01 : plate ? 2e-3 : 2e-4;
+  if constexpr (PolyhedralShape<S>) return steps ? 0.01 : plate ? 2e-3 : 1e-3;
   if constexpr (std::is_same_v<S, Cylinder>) return steps ? 1e-3 : 2e-4;
   return 1e-4;
 }
