@@ -29,6 +29,7 @@ double reach_of(const typename N::Parameters& p, double radius) {
 NormalSlopes slopes_of(const AskedLaw& law, ContactKinematics at) {
   constexpr double little = 1e-4;  // of the scale: digits enough for a slope, near enough for a power law
   const double overlap = at.overlap, size = std::abs(overlap);
+  if (law.numbers.empty()) return {};  // bodies of these materials cannot touch
   double fresh = 0.0, loaded = 0.0, next = 0.0;
   at.approach_velocity = 0.0;
   if (overlap < 0.0) {  // it has touched before

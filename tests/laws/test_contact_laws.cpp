@@ -310,3 +310,24 @@ TEST_CASE("the watch over the step counts JKR contacts that hold beyond touch, w
     CHECK(links.empty());
   }
 }
+
+TEST_CASE("materials whose bodies cannot touch have no stiffness, whatever the law", "[laws][time-step]") {
+  const Parameters constants = parameters_of({{"stiffness", 1e4},
+                                              {"exponent", 1.5},
+                                              {"reference_speed", 1.0},
+                                              {"relaxation_time", 1e-5},
+                                              {"work_of_adhesion", 0.1}});
+  const ContactKinematics at{1e-5, 0.1, 1e-3, 5e-3, 1e-6};
+  for (const Entry& law : all_smooth_laws()) {
+    SmoothSetup setup = setup_of({law.name, 0.5, 0.3, 0.1, constants}, {steel, rubber});
+    setup.materials.pairs[3].occurs = false;  // walls of rubber
+    setup.materials.pairs[3].b = setup.materials.pairs[3].a = {};
+    const ContactLinks links(setup);
+    INFO(law.name);
+    CHECK(links.normal(0, 1, at).force > 0.0);
+    const NormalSlopes none = links.normal(1, 1, at);
+    CHECK(none.force == 0.0);
+    CHECK(none.stiffness == 0.0);
+    CHECK(none.dashpot == 0.0);
+  }
+}
