@@ -28,6 +28,11 @@ double sweep_work(const ConeProblem& problem) {
                               : 9.0 * static_cast<double>(problem.column.size());
 }
 
+/// Refined impulses that miss the tolerance are of use where they come ten times nearer than sweeps.
+bool helps(const SolverReport& swept, const SolverReport& refined) {
+  return refined.converged || refined.residual <= 0.1 * swept.residual;
+}
+
 }  // namespace
 
 void Auto::make_parts(std::size_t count) {
@@ -167,9 +172,9 @@ SolverReport Auto::refine(Part& part, const ConeProblem& problem, Impulses& r, c
   return {proximal.converged, count + proximal.iterations, std::min(proximal.residual, report.residual)};
 }
 
-/// What stages 2 and 3 made of an island. Islands come in order of size.
-void Auto::note(std::size_t contacts, const SolverReport& report) {
-  if (report.converged)
+/// Whether stages 2 and 3 were of use to an island. Islands come in order of size.
+void Auto::note(std::size_t contacts, bool helped) {
+  if (helped)
     solves_now_ = solves_now_ || contacts >= failed_;
   else if (fails_now_ == 0)
     fails_now_ = contacts;
@@ -232,7 +237,7 @@ SolverReport Auto::solve(const ConeProblem& problem, Impulses& r) {
       return swept;
     }
     const SolverReport refined = refine(*parts_[0], problem, r, swept, 0);
-    note(problem.size(), refined);
+    note(problem.size(), helps(swept, refined));
     look_back();
     return refined;
   }
@@ -250,11 +255,13 @@ SolverReport Auto::solve(const ConeProblem& problem, Impulses& r) {
       [&](std::size_t j) {
         Part& part = *parts_[order_[j]];
         if (stop()) return;
-        reports_[order_[j]] = refine(part, part.problem, part.r, reports_[order_[j]], order_[j]);
+        const SolverReport swept = reports_[order_[j]];
+        reports_[order_[j]] = refine(part, part.problem, part.r, swept, order_[j]);
+        part.helped = helps(swept, reports_[order_[j]]);
         part.swept.swap(part.r);
       },
       1);
-  for (const std::uint32_t k : order_) note(islands_.contacts(k).size(), reports_[k]);
+  for (const std::uint32_t k : order_) note(islands_.contacts(k).size(), parts_[k]->helped);
   look_back();
   SolverReport report{true, 0, 0.0};
   for (std::size_t k = 0; k < count; ++k) {

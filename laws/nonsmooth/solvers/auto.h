@@ -8,9 +8,10 @@
 ///      Newton steps would take, and never for more work than those;
 ///   2. newton from the first guess, given up when it is behind the sweeps after a few factorisations;
 ///   3. proximal from the better of both.
-/// Where 2 and 3 fail four times in a row, islands as large are swept alone for 1, 3, 7 .. 31 solves: stones at a
-/// friction of 1.5 have problems that no method here solves, and took 40 times as long as sweeps to come no nearer.
-/// `iterations` counts sweeps of stage 1 and factorisations of the others, per island.
+/// Where 2 and 3 come no nearer than a tenth of the sweeps' residual four times in a row, islands as large are swept
+/// alone for 1, 3, 7 .. 31 solves: stones at a friction of 1.5 have problems that no method here solves, and took 40
+/// times as long as sweeps to come no nearer. `iterations` counts sweeps of stage 1 and factorisations of the others,
+/// per island.
 #pragma once
 #include <memory>
 
@@ -56,6 +57,7 @@ class Auto final : public ConeSolver {
     double budget = 0.0;      ///< multiplications that this solve may take
     bool left = false;        ///< not solved: too expensive
     bool paused = false;      ///< swept alone: nothing else has helped such a one lately
+    bool helped = true;       ///< by stages 2 and 3
   };
   /// Of newton's, where it had the last word: that it is to begin the next step, and its factor, which calms.
   enum class Kept : std::uint8_t { nothing, method, factor };
@@ -82,7 +84,7 @@ class Auto final : public ConeSolver {
   void resume(const ConeProblem& problem, const std::vector<Mat3>& derivative);
 
   void order_unfinished();
-  void note(std::size_t contacts, const SolverReport& report);
+  void note(std::size_t contacts, bool helped);
   void look_back();
 
   int iterations_;
@@ -93,7 +95,7 @@ class Auto final : public ConeSolver {
   std::vector<std::int32_t> spent_;  ///< sweeps that were enough, of the same contacts; < 0: a newton has failed
   std::vector<SolverReport> reports_;
   std::vector<std::uint32_t> order_;
-  std::uint64_t failed_ = 0;     ///< contacts of the smallest island that stages 2 and 3 have left unsolved
+  std::uint64_t failed_ = 0;     ///< contacts of the smallest island that stages 2 and 3 have left where they were
   std::int32_t pause_ = 0;       ///< solves in which islands of that size are swept alone
   std::int32_t failures_ = 0;    ///< in a row
   std::uint64_t fails_now_ = 0;  ///< as failed_, of this solve; 0: none
