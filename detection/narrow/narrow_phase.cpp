@@ -25,7 +25,7 @@ BatchNarrowPhase::BatchNarrowPhase(const ShapeStore& shapes, double reach, bool 
 
 BatchNarrowPhase::~BatchNarrowPhase() = default;
 
-void BatchNarrowPhase::join_walls() { seams_ = std::make_unique<Seams>(shapes_, !(reach_ > 0.0)); }
+void BatchNarrowPhase::join_walls() { seams_ = std::make_unique<Seams>(shapes_, reach_); }
 
 void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& block, std::size_t begin,
                                std::size_t end) {
@@ -196,7 +196,7 @@ void BatchNarrowPhase::collide(const World& world, const PairList& list, Contact
 
 void BatchNarrowPhase::unite(const World& world, ContactSet& contacts) {
   if (!seams_ || contacts.size() == 0) return;  // spheres in their own loop are not among the contacts
-  if (!seams_known_ || !seams_->knows(world)) seams_->find(world);
+  if (!seams_known_ || !seams_->knows(world)) seams_->find(world, seconds_ > 0.0);
   seams_known_ = true;
   seams_->hide(world, contacts);
 }

@@ -273,4 +273,24 @@ Vec3 side_normal(const ShapeStore& shapes, const WallPiece& piece, const Vec3& p
   return piece.pose.orientation * found;
 }
 
+PlaneSide plane_side(const ShapeStore& shapes, const WallPiece& piece, const Vec3& normal) {
+  const Vec3 local = piece.pose.orientation.conjugate() * normal;
+  PlaneSide found = shapes.with(piece.shape, [&]<class S>(const S& s) {
+    PlaneSide side{normal};
+    if constexpr (PolyhedralShape<S>) {
+      const PolyhedronView view = s.view();
+      double most = std::sqrt(1.0 - facing_sine * facing_sine);
+      for (std::size_t k = 0; k < view.face_normals.size() && !(s.rounding() > 0.0); ++k) {
+        const double cosine = view.face_normals[k].dot(local);
+        if (!(cosine > most)) continue;
+        most = cosine;
+        side = {view.face_normals[k], view.face_offsets[k]};
+      }
+    }
+    return side;
+  });
+  if (std::isfinite(found.offset)) found.normal = piece.pose.orientation * found.normal;
+  return found;
+}
+
 }  // namespace epafi

@@ -42,4 +42,13 @@ bool goes_beyond(const ShapeStore& shapes, const WallPiece& piece, const Vec3& p
 /// flat its own face may say the normal of the contact, and that leans as the body does.
 Vec3 side_normal(const ShapeStore& shapes, const WallPiece& piece, const Vec3& point, const Vec3& normal, double near);
 
+/// A plane side of a polyhedron: where normal . x = offset from its centre, world axes.
+struct PlaneSide {
+  Vec3 normal;
+  double offset = infinity;  ///< [m]; infinite: there is none
+};
+
+/// Of a wall that is a polyhedron: its side turned least from `normal` (unit), by less than facing_sine.
+PlaneSide plane_side(const ShapeStore& shapes, const WallPiece& piece, const Vec3& normal);
+
 }  // namespace epafi

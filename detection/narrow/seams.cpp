@@ -62,7 +62,8 @@ Vec3 point_on(const World& world, const ContactSet& contacts, std::size_t i, boo
 
 }  // namespace
 
-void Seams::find(const World& world) {
+void Seams::find(const World& world, bool foreseen) {
+  foreseen_ = foreseen;
   flat_.resize(world.size());
   convex_.resize(world.size());
   radius_.resize(world.size());
@@ -95,8 +96,11 @@ void Seams::hide(const World& world, ContactSet& contacts) {
   for (const Candidate& c : candidates_)
     if (hidden_[c.contact] == 0 && is_hidden(world, contacts, c)) hidden_[c.contact] = 1;
   decide_faces(world, contacts);
+  const std::size_t before = hidden_.size();
   rest_on_few(world, contacts);
+  const bool appended = hidden_.size() > before;
   take_out(contacts, hidden_);
+  if (appended) contacts.sort();
   auto& joined = contacts.joined;
   std::sort(joined.begin(), joined.end());
   joined.erase(std::unique(joined.begin(), joined.end()), joined.end());

@@ -8,7 +8,8 @@
 /// other (tiles on a floor, stones of an arch): those may differ in level by as much as they are pressed in there, up
 /// to a tenth of half their least width. In a periodic cell a wall that is as wide as the cell touches its own images.
 /// The convex parts of a solid, free or fixed, are one surface in the same way. On a surface of walls that move as one
-/// a body rests with the points of one wall, and so does a body of parts (few_points.h).
+/// a body rests with the points of one wall, and so does a body of parts (few_points.h); a polyhedron under springs or
+/// adhesion on level polyhedra with its own corners, whatever normal and points each pair has chosen.
 ///
 /// Limits: of closed meshes only the surface counts, not what it encloses; free bodies are not joined for a body that
 /// touches more than 64, or that is held.
@@ -34,11 +35,12 @@ class Seams {
   /// creep by what solvers leave, 1e-6 of a metre in a second.
   static constexpr double free_tolerance = 1e-4;
 
-  /// `shapes` must outlive this. springs: contacts overlap, and what they carry has a potential.
-  Seams(const ShapeStore& shapes, bool springs) : shapes_(shapes), springs_(springs) {}
+  /// `shapes` must outlive this. reach: of contacts [m]; 0: they overlap, and what they carry has a potential.
+  Seams(const ShapeStore& shapes, double reach) : shapes_(shapes), reach_(reach), springs_(!(reach > 0.0)) {}
 
-  /// Which bodies have flat faces; whenever slots have other bodies.
-  void find(const World& world);
+  /// Which bodies have flat faces; whenever slots have other bodies. foreseen: contacts that do not overlap carry
+  /// nothing yet.
+  void find(const World& world, bool foreseen);
   bool knows(const World& world) const { return flat_.size() == world.size(); }
   /// Takes out what is no contact of the union; the others keep their order. Of contacts as the narrow phase joins
   /// them: without forces and areas.
@@ -105,6 +107,14 @@ class Seams {
     Aabb box{};          ///< of the piece, where both are held
   };
 
+  /// A plane side of one wall of a surface, level with the others, as the body sees it: from its centre.
+  struct Top {
+    const Group* group;
+    WallPiece piece;
+    PlaneSide side;
+    double above(const Vec3& place) const { return side.normal.dot(place - piece.pose.position) - side.offset; }
+  };
+
   void list_groups(const World& world, const ContactSet& contacts);
   void find_level(const World& world, const ContactSet& contacts);
   void add_points(const ContactSet& contacts, const Group& group, Slot body);
@@ -127,13 +137,21 @@ class Seams {
   void rest_on_few(const World& world, ContactSet& contacts);
   void rest_on_few(const World& world, ContactSet& contacts, std::span<const std::uint32_t> surface);
   void find_corners(const World& world, Slot body, const Vec3& centre, OutlineCorners& out) const;
+  void find_tops(const World& world, std::span<const std::uint32_t> surface, Slot body, const Vec3& normal);
+  bool is_under(const Top& top, const Vec3& place, double near) const;
+  bool is_in_joint(const SurfacePoint& p, double gap, double size) const;
+  const Top* top_under(const Vec3& place, double near) const;
+  bool stand_on_tops(ContactSet& contacts, Slot body, double deepest, double size);
+  void rest_on_tops(const World& world, ContactSet& contacts, std::span<const std::uint32_t> surface, double size);
   bool holds_instead(const World& world, const ContactSet& contacts, const Candidate& c, const Other& other) const;
   static bool comes_first(const Candidate& c, const Other& other);
   static Vec3 centre_of_body(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b);
   void decide_faces(const World& world, ContactSet& contacts);
 
   const ShapeStore& shapes_;
+  double reach_;
   bool springs_;
+  bool foreseen_ = false;
   bool solids_ = false;                     ///< some body has parts
   bool joins_ = false;                      ///< there are bodies with flat faces that may touch
   std::vector<std::uint8_t> flat_;          ///< by slot: has flat faces
@@ -153,6 +171,7 @@ class Seams {
   std::vector<std::uint32_t> ordered_;      ///< groups that share a surface, or have a body of parts
   std::vector<SurfacePoint> points_on_;     ///< of one surface
   std::array<OutlineCorners, 2> outlines_;  ///< of the bodies there
+  std::vector<Top> tops_;                   ///< of one surface
 };
 
 }  // namespace epafi

@@ -118,6 +118,12 @@ namespace {
 /// between).
 constexpr Feature image_bits = Feature{0xff} << 56, body_bits = 0xfffffff;
 
+/// A corner has one name whichever of the two bodies comes first: each has bits of its own, the other's are zero.
+Feature name_on_body(Feature f, bool on_mesh) {
+  constexpr Feature corner_bits = 0x3fffff;
+  return on_mesh ? f & body_bits : (f | f >> 22) & corner_bits;
+}
+
 /// The contacts of one pair of bodies in a list in canonical order, in some of its images.
 struct PairRange {
   const std::vector<Feature>& feature;
@@ -151,12 +157,14 @@ struct PairRange {
 
 /// Of some entries of a list: how many there are, how many of one name on the body, and the last.
 struct Chosen {
+  Feature name;
+  bool on_mesh;
   std::size_t all = 0, of_name = 0, last = 0, last_of_name = 0;
 
-  void take(const PairRange& list, std::size_t k, Feature name) {
+  void take(const PairRange& list, std::size_t k) {
     ++all;
     last = k;
-    if ((list.feature[k] & body_bits) != name) return;
+    if (name_on_body(list.feature[k], on_mesh) != name) return;
     ++of_name;
     last_of_name = k;
   }
@@ -166,16 +174,18 @@ struct Chosen {
 
 std::uint32_t ContactMemory::left_for(const ContactSet& contacts, std::size_t i, const IsEmpty& is_empty) const {
   const Slot a = contacts.a[i], b = contacts.b[i];
-  const Feature f = contacts.feature[i], image = f & image_bits, name = f & body_bits;
-  Chosen begun, ended;
+  const Feature f = contacts.feature[i], image = f & image_bits;
+  const auto is_mesh = [&](Slot s) { return std::binary_search(contacts.meshes.begin(), contacts.meshes.end(), s); };
+  const bool on_mesh = is_mesh(a) || is_mesh(b);
+  Chosen begun{name_on_body(f, on_mesh), on_mesh}, ended = begun;
   const auto look_at = [&](Slot first, Slot second, Feature first_image, Feature last_image) {
     const PairRange now(contacts.a, contacts.b, contacts.feature, first, second, first_image, last_image);
     const PairRange before(a_, b_, feature_, first, second, first_image, last_image);
     for (std::size_t k = before.begin; k < before.end; ++k)
-      if (now.find(feature_[k]) == now.end && !(is_empty && is_empty(k))) ended.take(before, k, name);
+      if (now.find(feature_[k]) == now.end && !(is_empty && is_empty(k))) ended.take(before, k);
     for (std::size_t k = now.begin; k < now.end; ++k) {
       const std::size_t was = before.find(contacts.feature[k]);
-      if (was == before.end || (is_empty && is_empty(was))) begun.take(now, k, name);
+      if (was == before.end || (is_empty && is_empty(was))) begun.take(now, k);
     }
   };
   const std::array joined = {contacts.joined_to(a, b), contacts.joined_to(b, a)};

@@ -1,5 +1,6 @@
-// What a contact remembers goes on over the seams of a floor of tiles: a ball that slides, rolls or hangs under it
-// feels in every step the force and moment of one plate, wherever it stands among the tiles in order.
+// What a contact remembers goes on over the seams of a floor of tiles: a ball that slides, rolls or hangs under it, and
+// a flat body that slides, feel in every step the force and moment of one plate, wherever they stand among the tiles in
+// order.
 #include <fmt/format.h>
 
 #include "engine/units/random.h"
@@ -12,7 +13,7 @@ using namespace epafi;
 namespace {
 
 constexpr double floor_reach = 0.2, tile_step = 1e-5;
-constexpr std::uint64_t settled_by = 3000, passed_by = 20000, compared_every = 5;
+constexpr std::uint64_t compared_every = 5;
 
 constexpr double radius = 0.04;
 
@@ -37,6 +38,9 @@ struct Passage {
   bool rolls;
   double heading, distance;  ///< [rad], of all from the origin [m]
   Quat turn;                 ///< of the floor
+  std::string shape = fmt::format("sphere = {{ radius = {} }}", radius);
+  double height = radius, yaw = 0.0, speed = 0.25;  ///< of its centre over the floor [m], its turn [rad], [m/s]
+  std::uint64_t settled_by = 3000, passed_by = 20000;
 };
 
 /// Seams of tiles from -floor_reach to floor_reach.
@@ -51,11 +55,12 @@ std::string scene_of(Random& random, const Passage& m, bool one_plate) {
   const Vec3 origin = m.distance * testing::random_direction(random);
   const double side = m.law.hangs ? -1.0 : 1.0;
   std::vector<std::string> bodies;
-  const auto add = [&](const std::string& shape, const Vec3& at, const std::string& more) {
+  const auto add = [&](const std::string& shape, const Vec3& at, const std::string& more, double yaw = 0.0) {
+    const Quat turn = m.turn * Quat(Eigen::AngleAxisd(yaw, Vec3::UnitZ()));
     bodies.push_back(
         fmt::format("[[body]]\nshape = {{ {} }}\nmaterial = \"a\"\nposition = {}\norientation = "
                     "[{:.17g}, {:.17g}, {:.17g}, {:.17g}]\n{}\n",
-                    shape, text_of(origin + m.turn * at), m.turn.w(), m.turn.x(), m.turn.y(), m.turn.z(), more));
+                    shape, text_of(origin + m.turn * at), turn.w(), turn.x(), turn.y(), turn.z(), more));
   };
   std::vector<double> xs = {-2.0, 2.0}, ys = xs;
   if (!one_plate) {
@@ -68,13 +73,12 @@ std::string scene_of(Random& random, const Passage& m, bool one_plate) {
           Vec3(0.5 * (xs[i] + xs[i - 1]), 0.5 * (ys[j] + ys[j - 1]), -0.05 * side), "fixed = true");
   const std::size_t place = random.bits() % (bodies.size() + 1);
   const Vec3 ahead = Vec3(std::cos(m.heading), std::sin(m.heading), 0);
-  const Vec3 velocity = 0.25 * ahead, up(0, 0, side);
-  std::string more = "name = \"walker\"\nvelocity = " + text_of(m.turn * velocity);
+  const Vec3 velocity = m.speed * ahead, up(0, 0, side);
+  std::string more = "name = \"walker\"\nplace = \"as-drawn\"\nvelocity = " + text_of(m.turn * velocity);
   if (m.rolls)
     more += "\nangular_velocity = " + text_of(m.turn * up.cross(velocity) / radius) +
             "\nforce = " + text_of(m.turn * (0.5 * ahead));
-  add(fmt::format("sphere = {{ radius = {} }}", radius),
-      Vec3(-0.03 * ahead + side * Vec3(0, 0, radius - (m.law.hangs ? 1e-4 : 0.0))), more);
+  add(m.shape, Vec3(-0.03 * ahead + side * Vec3(0, 0, m.height - (m.law.hangs ? 1e-4 : 0.0))), more, m.yaw);
   std::rotate(bodies.begin() + static_cast<std::ptrdiff_t>(place), bodies.end() - 1, bodies.end());
   std::string text = fmt::format(
       "[run]\nduration = 1\ntime_step = {}\n[world]\ngravity = {}\n[material]\na = {{ density = 2500, youngs_modulus "
@@ -92,19 +96,25 @@ struct WalkerLoad {
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero(), place = Vec3::Zero();
 };
 
-std::vector<WalkerLoad> loads_on_the_way(const std::string& text, const Quat& turn) {
+struct Way {
+  std::vector<WalkerLoad> loads;
+  double open;  ///< the ledger at its end
+};
+
+Way way_of(const std::string& text, const Passage& m) {
   experiments::SceneRun run = experiments::start_text(text);
   const Simulation& sim = run.simulation();
   const World& world = sim.world;
+  const Quat& turn = m.turn;
   std::vector<WalkerLoad> loads;
   Vec3 first = Vec3::Zero();
-  for (std::uint64_t n = compared_every; n <= passed_by; n += compared_every) {
+  for (std::uint64_t n = compared_every; n <= m.passed_by; n += compared_every) {
     run.advance_to(n);
     REQUIRE(run.failure.empty());
     Slot walker = 0;
     while (!world.is_movable(walker)) ++walker;
     if (n == compared_every) first = world.position[walker];
-    if (n < settled_by) continue;
+    if (n < m.settled_by) continue;
     WalkerLoad load;
     const ContactSet& c = sim.work.contacts;
     for (std::size_t i = 0; i < c.size(); ++i) {
@@ -117,7 +127,60 @@ std::vector<WalkerLoad> loads_on_the_way(const std::string& text, const Quat& tu
     load.place = turn.inverse() * (world.position[walker] - first);
     loads.push_back(load);
   }
-  return loads;
+  return {loads, run.energy_error()};
+}
+
+/// Largest differences of both on the way, over the largest force of the first [1, 1, m].
+struct Apart {
+  double force = 0.0, moment = 0.0, place = 0.0, weight = 0.0;
+
+  Apart(const std::vector<WalkerLoad>& plate, const std::vector<WalkerLoad>& tiles, double arm) {
+    for (std::size_t k = 0; k < plate.size(); ++k) {
+      force = std::max(force, (tiles[k].force - plate[k].force).norm());
+      moment = std::max(moment, (tiles[k].moment - plate[k].moment).norm());
+      place = std::max(place, (tiles[k].place - plate[k].place).norm());
+      weight = std::max(weight, plate[k].force.norm());
+    }
+    force /= weight;
+    moment /= weight * arm;
+  }
+};
+
+const TileLaw slide_laws[] = {
+    {"friction = 0.3, smooth = { law = \"hertz\" }", false},
+    {"friction = 0.3, smooth = { law = \"hertz\", tangential = \"mindlin-dashpot\" }", false},
+    {"friction = 0.3, smooth = { law = \"walton-braun\", stiffness = 2e5 }", false},
+    {"friction = 0.3, smooth = { law = \"jkr\", work_of_adhesion = 1.0 }", false},
+};
+
+/// A frustum of an irregular polygon on the floor.
+std::string random_hull(Random& random, bool prism, double size) {
+  const int sides = 5 + static_cast<int>(random.bits() % 6);
+  const double shrink = prism ? 1.0 : random.uniform(0.4, 1.2), high = random.uniform(0.5, 1.0) * size;
+  std::string corners;
+  for (int k = 0; k < sides; ++k) {
+    const double angle = (k + (prism ? 0.0 : random.uniform(0.0, 0.6))) * 2.0 * testing::pi / sides;
+    const Vec3 base = 0.5 * size * Vec3(std::cos(angle), std::sin(angle), 0);
+    corners += text_of(base) + ", " + text_of(shrink * base + Vec3(0, 0, high)) + ", ";
+  }
+  return "polyhedron = { vertices = [" + corners.substr(0, corners.size() - 2) + "] }";
+}
+
+/// Every fourth along the tiles' edges. Under adhesion boxes: of more corners the pair takes four, by rounding.
+Passage random_slide(Random& random, int draw) {
+  Passage m{slide_laws[draw % 4], false, random.uniform(0, 2 * testing::pi), 0.0, testing::random_turn(random)};
+  const double size = random.uniform(0.05, 0.12);
+  const int kind = draw % 4 == 3 ? 0 : draw / 4 % 3;
+  m.shape = kind == 0 ? fmt::format("box = {{ size = {} }}", text_of(size * Vec3(1.0, random.uniform(0.5, 1.0), 0.5)))
+                      : random_hull(random, kind == 1, size);
+  m.height = (kind == 0 ? 0.25 * size : 0.0) - 1e-6;  // else rounding says which corners touch first
+  m.yaw = draw / 4 % 4 == 0 ? 0.5 * testing::pi : random.uniform(0, 2 * testing::pi);
+  if (draw / 4 % 4 == 0) m.heading = 0.0;
+  m.speed = random.uniform(0.3, 1.0);
+  m.settled_by = 5;
+  m.passed_by = 8000;
+  if (draw >= 32) m.distance = std::pow(10.0, random.uniform(0, 3));
+  return m;
 }
 
 }  // namespace
@@ -128,20 +191,32 @@ TEST_CASE("a ball that slides, rolls or hangs over tiles feels the forces of one
     Passage m{tile_laws[draw % 4], draw % 8 < 4, random.uniform(0, 2 * testing::pi), 0.0, testing::random_turn(random)};
     if (draw >= 8) m.distance = std::pow(10.0, random.uniform(0, 3));
     Random same = random;
-    const auto plate = loads_on_the_way(scene_of(same, m, true), m.turn);
-    const auto tiles = loads_on_the_way(scene_of(random, m, false), m.turn);
-    double force = 0.0, moment = 0.0, place = 0.0, weight = 0.0;
-    for (std::size_t k = 0; k < plate.size(); ++k) {
-      force = std::max(force, (tiles[k].force - plate[k].force).norm());
-      moment = std::max(moment, (tiles[k].moment - plate[k].moment).norm());
-      place = std::max(place, (tiles[k].place - plate[k].place).norm());
-      weight = std::max(weight, plate[k].force.norm());
-    }
-    INFO("draw " << draw << ", " << m.law.keys << ", " << m.distance << " m away, by part " << force / weight << ", "
-                 << moment / (weight * radius) << ", " << place << " m");
-    CHECK(weight > 0.0);
-    CHECK(force < 1e-5 * weight);  // rounding of places up to 1 km away; 0.03 where memory ended at seams
-    CHECK(moment < 1e-5 * weight * radius);
-    CHECK(place < 1e-9);
+    const Way plate = way_of(scene_of(same, m, true), m), tiles = way_of(scene_of(random, m, false), m);
+    const Apart apart(plate.loads, tiles.loads, radius);
+    INFO("draw " << draw << ", " << m.law.keys << ", " << m.distance << " m away, by part " << apart.force << ", "
+                 << apart.moment << ", " << apart.place << " m");
+    CHECK(apart.weight > 0.0);
+    CHECK(apart.force < 1e-5);  // rounding of places up to 1 km away; 0.03 where memory ended at seams
+    CHECK(apart.moment < 1e-5);
+    CHECK(apart.place < 1e-9);
+  }
+}
+
+TEST_CASE("a flat body that slides over tiles feels the forces of one plate", "[seams][physics][long]") {
+  Random random(644, 1);
+  for (int draw = 0; draw < 40; ++draw) {
+    Passage m = random_slide(random, draw);
+    Random same = random;
+    const Way plate = way_of(scene_of(same, m, true), m), tiles = way_of(scene_of(random, m, false), m);
+    const Apart apart(plate.loads, tiles.loads, radius);
+    INFO("draw " << draw << ", " << m.shape << ", " << m.law.keys << ", by part " << apart.force << ", " << apart.moment
+                 << ", " << apart.place << " m, open " << plate.open << ", " << tiles.open);
+    CHECK(apart.weight > 0.0);
+    // plastic contacts unload steeply and let go: of two plates whose places round otherwise forces differ as much
+    const double rounding = draw % 4 == 2 ? 1e-4 : 1e-6;
+    CHECK(apart.force < rounding);  // up to 1 and more where each pair chose normals and points for itself
+    CHECK(apart.moment < rounding);
+    CHECK(apart.place < 1e-9);
+    CHECK(std::abs(tiles.open - plate.open) < 1e-8);  // 1e-4 to 8e-2 then
   }
 }
