@@ -79,9 +79,9 @@ void Seams::rest_on_few(const World& world, ContactSet& contacts, std::span<cons
   if (!foreseen_) find_corners(world, body, Vec3::Zero(), outlines_[0]);
   if (springs_ && surface.size() == 1) find_corners(world, first.b, first.branch, outlines_[1]);
   outlines_[1].side = -1.0;
-  if (surface.size() > 1) {
+  if (surface.size() > 1 && !foreseen_) {
     join_all();
-    if (parts_[body] == 0 && !contacts.with_area) rest_on_tops(world, contacts, surface, size);
+    if (parts_[body] == 0) rest_on_tops(world, contacts, surface, size);
   }
   const auto outlines = std::span(outlines_).first(springs_ ? outlines_.size() : 0);
   if (points_on_.size() > 1 && keep_few(points_on_, outlines, size, tolerance * size, contacts, hidden_)) join_all();
