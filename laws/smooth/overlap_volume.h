@@ -49,7 +49,8 @@ struct OverlapVolume {
             .elastic_force = elastic,
             .stiffness = stiffness,
             .energy = 0.5 * elastic * c.overlap,
-            .dashpot = dashpot};
+            .dashpot = dashpot,
+            .growth = Real{} + 0.5};  // a face 0, an edge 1/2, a corner 1
   }
 };
 static_assert(LaneLaw<OverlapVolume>);
