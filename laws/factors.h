@@ -1,5 +1,5 @@
 /// @file factors.h  Factorisations of large matrices, compiled once: each takes two to five seconds in every file that
-/// writes it out. A vector on the right is solved otherwise than a matrix of one column, and rounds otherwise.
+/// instantiates it. A vector on the right side and a matrix of one column round differently.
 #pragma once
 #include <Eigen/Core>
 #include <Eigen/SparseCore>

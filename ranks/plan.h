@@ -1,4 +1,6 @@
-/// @file plan.h  Rows to ranks, as often as wanted: who sends how many to whom is found once.
+/// @file plan.h  Rows to ranks, as often as wanted: who sends how many to whom is found once. Zoltan's plans do the
+/// same but wait for all ranks in every exchange (an MPI_Allreduce in Zoltan_Comm_Do_Post); these wait for neighbours
+/// alone.
 #pragma once
 #include <cstddef>
 #include <memory>

@@ -196,7 +196,7 @@ TEST_CASE("a ball that slides, rolls or hangs over tiles feels the forces of one
     INFO("draw " << draw << ", " << m.law.keys << ", " << m.distance << " m away, by part " << apart.force << ", "
                  << apart.moment << ", " << apart.place << " m");
     CHECK(apart.weight > 0.0);
-    CHECK(apart.force < 1e-5);  // rounding of places up to 1 km away; 0.03 where memory ended at seams
+    CHECK(apart.force < 1e-5);  // rounding of places up to 1 km away; 0.03 if memory ends at seams
     CHECK(apart.moment < 1e-5);
     CHECK(apart.place < 1e-9);
   }
@@ -214,9 +214,9 @@ TEST_CASE("a flat body that slides over tiles feels the forces of one plate", "[
     CHECK(apart.weight > 0.0);
     // plastic contacts unload steeply and let go: of two plates whose places round otherwise forces differ as much
     const double rounding = draw % 4 == 2 ? 1e-4 : 1e-6;
-    CHECK(apart.force < rounding);  // up to 1 and more where each pair chose normals and points for itself
+    CHECK(apart.force < rounding);  // 1 and more if each pair chooses normals and points for itself
     CHECK(apart.moment < rounding);
     CHECK(apart.place < 1e-9);
-    CHECK(std::abs(tiles.open - plate.open) < 1e-8);  // 1e-4 to 8e-2 then
+    CHECK(std::abs(tiles.open - plate.open) < 1e-8);  // 1e-4 to 8e-2 if so
   }
 }

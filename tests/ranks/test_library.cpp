@@ -102,6 +102,7 @@ TEST_CASE("the stages of a process that follows, and its waiting, are all of its
     const RankSeconds& seconds = after->seconds[rank];
     const double sum = std::accumulate(seconds.begin(), seconds.end(), 0.0) -
                        std::accumulate(before->seconds[rank].begin(), before->seconds[rank].end(), 0.0);
+    // a process that follows tells its figures at moments of its own, a message later
     CHECK(sum > 0.8 * all);
     CHECK(sum < 1.1 * all);
     CHECK(seconds[static_cast<std::size_t>(RankStage::contact)] > 0.0);
