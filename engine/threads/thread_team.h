@@ -126,10 +126,11 @@ class ThreadTeam {
   bool wait_for(Member& m, std::uint32_t count) {
     std::uint32_t before = m.state.load();
     if (before < 2 * count - 1 && m.state.compare_exchange_strong(before, 2 * count)) return false;
+    const double begin = now();
     m.done.wait_until([&] { return m.state.load() == 2 * count; }, polls_);
     if (!std::exchange(m.was_preempted, false)) return false;
     const double time = now();
-    m.preemptions.count(time);
+    m.preemptions.count(time, time - begin);
     return m.preemptions.rests(time);
   }
   void call_rested() {

@@ -95,14 +95,16 @@ TEST_CASE("a team goes through loops, those inside others too, and sleeps while 
   }
 }
 
-TEST_CASE("a thread that is preempted often rests, longer where its returns end the same way", "[engine][parallel]") {
+TEST_CASE("a thread that others wait for rests, longer where its returns end the same way", "[engine][parallel]") {
   Preemptions thread;
-  for (int k = 0; k < 20; ++k) thread.count(0.2 * k);  // five a second: what a quiet machine shows
-  CHECK_FALSE(thread.rests(3.81));
+  for (int k = 0; k < 200; ++k) {
+    thread.count(0.02 * k, k % 20 == 0 ? 5e-3 : 1e-3);  // fifty a second, most of them short: a quiet machine
+    CHECK_FALSE(thread.rests(0.02 * k + 0.01));
+  }
   double time = 5.0;
   std::vector<double> rests;
   for (int round = 0; round < 7; ++round) {
-    for (int k = 0; k < 3; ++k) thread.count(time += 0.004);
+    for (int k = 0; k < 3; ++k) thread.count(time += 0.008, 0.004);
     CHECK(thread.rests(time + 0.05));
     double rest = 0.0;
     while (thread.rests(time + rest)) rest += 0.01;
@@ -113,7 +115,7 @@ TEST_CASE("a thread that is preempted often rests, longer where its returns end 
   CHECK(std::ranges::is_sorted(rests));
   CHECK(rests.back() == Approx(2.0).margin(0.011));
   time += 60.0;  // a quiet minute: forgiven
-  for (int k = 0; k < 3; ++k) thread.count(time += 0.004);
+  for (int k = 0; k < 3; ++k) thread.count(time += 0.008, 0.004);
   CHECK_FALSE(thread.rests(time + 0.12));
 }
 
