@@ -38,7 +38,9 @@ void WatchedBalance::allow_swing(double share) { band_ = std::clamp(1.2 * share,
 
 void WatchedBalance::note(const StepReport& report) {
   if (!report.has_solver) return;
-  state_.noisy_steps += std::clamp(noise_per_residual * report.solver.residual, 1e-6, 1.0);
+  const double share = std::clamp(noise_per_residual * report.solver.residual, 1e-6, 1.0);
+  state_.noisy_steps += share;
+  state_.noise += share * report.servo_energy;
 }
 
 /// Of smooth contact: what bodies that are found a rounding of their positions apart have moved with, once in every

@@ -9,8 +9,9 @@
 /// energy exchanged since the start: the reference and all that was dissipated.
 ///
 /// Noise. Solvers of impulses leave velocities of their residual times one step of free fall, M (g dt)^2 / 2 in all
-/// bodies; a thousand times its part by the residual is added to what was exchanged in every step. Under smooth contact
-/// only rounding of the positions is noise: what bodies a rounding apart have moved with, once a step.
+/// bodies, and of one step of servo walls that nothing holds; a thousand times its part by the residual is added to
+/// what was exchanged in every step. Under smooth contact only rounding of the positions is noise: what bodies a
+/// rounding apart have moved with, once a step.
 #pragma once
 #include "engine/step/observer.h"
 

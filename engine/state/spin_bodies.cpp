@@ -154,8 +154,8 @@ struct Spin {
   template <int n>
   EPAFI_LANES void several(const Slot* slots) const {
     using V = typename LanesOf<n>::Real;
-    SpinLanes<V> lanes;
-    VectorsOf<V> torque;
+    SpinLanes<V> lanes{};
+    VectorsOf<V> torque{};
     for (int l = 0; l < n; ++l) {
       const double* q = world.orientation[slots[l]].coeffs().data();
       lanes.q.x[l] = q[0];

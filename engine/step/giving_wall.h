@@ -18,6 +18,8 @@ struct GivingWall {
   double free_speed = 0.0;
   double mobility = 0.0;  ///< [1/kg]; 0: it rests
 
+  /// What its force would give it from rest in this step if nothing held it [J].
+  double free_energy(double dt) const { return 0.5 * mobility * (dt * servo.force) * (dt * servo.force); }
   /// Sets free_speed and mobility of the next step.
   void begin(double dt);
   /// Takes over what contacts have made of the free speed.

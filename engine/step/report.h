@@ -93,14 +93,15 @@ struct ModelDoubt {
 /// What the contact model reports of one step.
 struct StepReport {
   std::size_t pairs = 0;
-  std::size_t contacts = 0;  ///< reported by the narrow phase
-  std::size_t touching = 0;  ///< with gap < 0 (smooth) or impulse > 0 (non-smooth)
-  double elastic = 0.0;      ///< energy stored in the contacts now [J]; with StepClock::run_on it may be an older one
-  double dissipated = 0.0;   ///< energy lost in the contacts during this step [J]
-  double work = 0.0;         ///< work of driven bodies on the others during this step [J]
-  double correction = 0.0;   ///< potential energy put in by moving overlapping bodies apart in this step [J]
-  Losses losses;             ///< parts of `dissipated`, of smooth contact
-  double deepest = 0.0;      ///< largest overlap of all contacts [m]
+  std::size_t contacts = 0;   ///< reported by the narrow phase
+  std::size_t touching = 0;   ///< with gap < 0 (smooth) or impulse > 0 (non-smooth)
+  double elastic = 0.0;       ///< energy stored in the contacts now [J]; with StepClock::run_on it may be an older one
+  double dissipated = 0.0;    ///< energy lost in the contacts during this step [J]
+  double work = 0.0;          ///< work of driven bodies on the others during this step [J]
+  double correction = 0.0;    ///< potential energy put in by moving overlapping bodies apart in this step [J]
+  double servo_energy = 0.0;  ///< non-smooth: what servo walls would gain in this step if nothing held them [J]
+  Losses losses;              ///< parts of `dissipated`, of smooth contact
+  double deepest = 0.0;       ///< largest overlap of all contacts [m]
   double deepest_relative = 0.0;  ///< of contacts that a model finds itself, over the smaller radius of the pair
   bool has_solver = false;
   SolverReport solver;

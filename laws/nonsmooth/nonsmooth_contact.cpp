@@ -317,6 +317,8 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   report.contacts = contacts.size();
   report.has_solver = true;
   report.elastic = 0.0;
+  report.servo_energy = 0.0;
+  for (const auto& wall : walls_) report.servo_energy += wall->free_energy(clock.dt);
   report.losses = {};
   const double threshold = impact_threshold * world.gravity.norm() * clock.dt;
   if (impacts_.separate()) problem_.load_diagonal();

@@ -104,7 +104,7 @@ TEST_CASE("a thread that others wait for rests, longer where its returns end the
   double time = 5.0;
   std::vector<double> rests;
   for (int round = 0; round < 7; ++round) {
-    for (int k = 0; k < 3; ++k) thread.count(time += 0.008, 0.004);
+    for (int k = 0; k < 3; ++k) thread.count(time += 0.004, 0.004);
     CHECK(thread.rests(time + 0.05));
     double rest = 0.0;
     while (thread.rests(time + rest)) rest += 0.01;
@@ -115,7 +115,7 @@ TEST_CASE("a thread that others wait for rests, longer where its returns end the
   CHECK(std::ranges::is_sorted(rests));
   CHECK(rests.back() == Approx(2.0).margin(0.011));
   time += 60.0;  // a quiet minute: forgiven
-  for (int k = 0; k < 3; ++k) thread.count(time += 0.008, 0.004);
+  for (int k = 0; k < 3; ++k) thread.count(time += 0.004, 0.004);
   CHECK_FALSE(thread.rests(time + 0.12));
 }
 

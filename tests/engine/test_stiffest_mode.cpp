@@ -130,8 +130,8 @@ TEST_CASE("the bound of the stiffest mode holds and is at most 2.6 times too lar
     const World world = world_of(bodies);
     std::vector<StiffLink> links(3 * n);
     for (StiffLink& l : links) {
-      l.a = static_cast<Slot>(random.uniform(0, 1) * n);
-      l.b = random.uniform(0, 1) < 0.2 ? no_slot : static_cast<Slot>(random.uniform(0, 1) * n);
+      l.a = static_cast<Slot>(random.uniform(0, 1) * static_cast<double>(n));
+      l.b = random.uniform(0, 1) < 0.2 ? no_slot : static_cast<Slot>(random.uniform(0, 1) * static_cast<double>(n));
       if (l.a == l.b) l.b = no_slot;
       l.arm_a = vector(0.5);
       l.arm_b = vector(0.5);

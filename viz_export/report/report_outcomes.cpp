@@ -109,7 +109,9 @@ ScatterPlot plot_of(const std::vector<ReportCase>& cases, const std::map<std::st
     most = std::max(most, x);
   }
   constexpr double decades = 30;
-  ScatterPlot plot{"", at, outcome.label, {}, {}, {}, {}};
+  ScatterPlot plot;
+  plot.x_label = at;
+  plot.y_label = outcome.label;
   plot.size = "620,420";
   plot.log_x = least > 0 && most > decades * least;
   plot.log_y = false;
