@@ -33,6 +33,8 @@ DECLARATION = re.compile(r"^(const|constexpr|inline|mutable|static|alignas|using
 # `matrix << a, b;`: Eigen's list of coefficients, none of which assigns.
 COEFFICIENTS = re.compile(r"^[^=]*?<<[^=]*$")
 LABEL = re.compile(r"^(case\b.*|default|public|private|protected)\s*:$")
+SOURCE_NAME = re.compile(r"`((?:cmake|detection|engine|examples|laws|perf|ranks|scenes|tests|tools|viz_export)/"
+                         r"[\w/.-]+\.(?:h|cpp|py|sh|cmake|toml|csv|bin|txt))[`: ]")
 KINDS_CHECKED = ("functions", "files", "chains", "lines", "cells")
 CONTROL = re.compile(r"^(else\s+)?(if|for|while)\s*(constexpr\s*)?\(|^else\s+")
 
@@ -197,8 +199,11 @@ def anchors(page):
 
 
 def broken_links(page):
-    """(line, target) of links in a page that lead nowhere in the tree."""
+    """(line, target) of links in a page that lead nowhere in the tree, and of files that it names by their folder."""
     for number, line in prose_lines(page.read_text()):
+        for name in [] if "docs/history" in page.as_posix() else SOURCE_NAME.findall(line):
+            if not (ROOT / name).exists():
+                yield number, name
         for target in re.findall(r"\]\(([^)\s]+)\)", re.sub(r"`[^`]*`", "", line)):
             if re.match(r"[a-z]+:", target):
                 continue
