@@ -7,11 +7,12 @@ Prints: functions over 50 lines, files over 500 lines, comma chains, lines over 
 characters, words per page, table cells over 25 words, links without a target, pages with other figures than the table.
 --list KIND names the places of one kind;
 --links alone checks links and ends with 1 where a page, picture or heading is missing; --check names all places but
-links and subjects and ends with 1 where there is one. Reads text only; functions are
+links and subjects and ends with 1 where there is one. Reads text only; functions of C++ are
 found by indentation (a body from a brace at the end of an unindented line to a brace in column 1), so that class
 members and lambdas are not counted by themselves.
 """
 import argparse
+import ast
 import functools
 import pathlib
 import re
@@ -161,6 +162,12 @@ def long_functions(lines):
     return found
 
 
+def long_python_functions(text):
+    """(first line, number of lines) of functions at any level whose body, with its docstring, is too long."""
+    return [(node.lineno, node.end_lineno - node.lineno) for node in ast.walk(ast.parse(text))
+            if isinstance(node, ast.FunctionDef) and node.end_lineno - node.lineno > MOST_LINES_OF_A_FUNCTION]
+
+
 def prose_lines(text):
     """(number, line) outside fenced blocks."""
     fenced = False
@@ -222,6 +229,12 @@ def find_all():
             text = path.read_text()
             places["cells"] += [(name, line, f"{words} words") for line, words in long_cells(shown(text))]
             places["links"] += [(name, line, target) for line, target in broken_links(path)]
+        if path.suffix == ".py":
+            text = path.read_text()
+            count = text.count("\n")
+            if count > MOST_LINES_OF_A_FILE:
+                places["files"].append((name, 1, f"{count} lines"))
+            places["functions"] += [(name, line, f"{length} lines") for line, length in long_python_functions(text)]
         if path.suffix in SOURCES:
             lines = path.read_text(errors="replace").splitlines()
             if len(lines) > MOST_LINES_OF_A_FILE:

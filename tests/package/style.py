@@ -15,6 +15,8 @@ PLANTED = {
     "chain.cpp": "void f(int a, int b) {\n  a = 1, b = 2;\n}\n",
     "function.cpp": "void f(int& a) {\n" + "  ++a;\n" * 51 + "}\n",
     "file.h": "\n" * 501,
+    "file.py": "\n" * 501,
+    "function.py": "class A:\n    def f(self):\n" + "        self.a = 1\n" * 51,
     "line.cpp": f"// {LONG}\n",
     "line.sh": f"# {LONG}\n",
     "line.cmake": f"# {LONG}\n",
