@@ -37,7 +37,9 @@ expect() { # what happened, calls wanted, exit code wanted, lines of its own wan
   [ "$calls" = "$2" ] || { echo "FAILED: $1: calls '$calls', not '$2'"; bad=1; }
   [ $code = "$3" ] || { echo "FAILED: $1: exit code $code"; bad=1; }
   [ $code != 0 ] || [ "$(cat "$folder/out")" = "program list shapes" ] || { echo "FAILED: $1: no program"; bad=1; }
-  [ "$(wc -l < "$folder/err")" = "$4" ] || { echo "FAILED: $1: it says $(cat "$folder/err")"; bad=1; }
+  # a build of more than a second says so, which a busy machine may take
+  [ "$(grep -cv "building (Release)" "$folder/err")" = "$4" ] || { echo "FAILED: $1: $(cat "$folder/err")"; bad=1; }
+  [ -n "$2" ] || [ ! -s "$folder/err" ] || { echo "FAILED: $1: it says $(cat "$folder/err")"; bad=1; }
   sleep 0.02  # time stamps of files are those of the last tick of the clock
 }
 whole="dpkg-query ninja epafi "
