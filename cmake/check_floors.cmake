@@ -34,7 +34,8 @@ foreach(floor engine detection laws ranks viz_export scenes)
     foreach(line ${includes})
       string(REGEX MATCH "\"([a-z_]+)/" found "${line}")
       set(target "${CMAKE_MATCH_1}")
-      if(target MATCHES "^(engine|detection|laws|ranks|viz_export|scenes|tests|perf)$" AND NOT target IN_LIST below_${floor})
+      if(target MATCHES "^(engine|detection|laws|ranks|viz_export|scenes|tests|perf)$"
+         AND NOT target IN_LIST below_${floor})
         complain("${file}: ${floor} must not include ${target}: ${line}")
       endif()
     endforeach()
@@ -47,8 +48,8 @@ foreach(floor engine detection laws ranks viz_export scenes)
   endforeach()
 endforeach()
 
-file(GLOB_RECURSE all RELATIVE ${ROOT} ${ROOT}/engine/* ${ROOT}/detection/* ${ROOT}/laws/* ${ROOT}/ranks/* ${ROOT}/viz_export/*
-     ${ROOT}/scenes/* ${ROOT}/tests/* ${ROOT}/perf/*)
+file(GLOB_RECURSE all RELATIVE ${ROOT} ${ROOT}/engine/* ${ROOT}/detection/* ${ROOT}/laws/* ${ROOT}/ranks/*
+     ${ROOT}/viz_export/* ${ROOT}/scenes/* ${ROOT}/tests/* ${ROOT}/perf/*)
 list(FILTER all INCLUDE REGEX "\\.(h|cpp|py|cmake)$")
 foreach(file ${all})
   file(STRINGS ${ROOT}/${file} lines)

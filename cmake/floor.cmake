@@ -1,4 +1,5 @@
-# One folder = one floor = one target. epafi_floor(name sources...) makes the static library epafi_<name>, alias epafi::<name>.
+# One folder = one floor = one target. epafi_floor(name sources...) makes the static library epafi_<name>, alias
+# epafi::<name>.
 function(epafi_floor name)
   add_library(epafi_${name} STATIC ${ARGN})
   add_library(epafi::${name} ALIAS epafi_${name})
@@ -11,8 +12,8 @@ function(epafi_floor name)
   endif()
 endfunction()
 
-# What every target of a floor is compiled with, but for the precompiled header: GCC 12 gives a file that takes it the optimisation of the
-# header, and does not say that options of the file differ (Eigen's headers push and pop them).
+# What every target of a floor is compiled with, but for the precompiled header: GCC 12 gives a file that takes it the
+# optimisation of the header, and does not say that options of the file differ (Eigen's headers push and pop them).
 function(epafi_compiles_as_floor target)
   set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   target_include_directories(${target} PUBLIC

@@ -1,5 +1,6 @@
-# The files of the page as strings of the program. Run as: cmake -DTHREE=.. -DCONTROLS=.. -DPAGE=folder -DOUT=file -P page_parts.cmake
-# THREE and CONTROLS may be missing: the page is then not to be had, and the program says what to install.
+# The files of the page as strings of the program. Run as:
+#   cmake -DTHREE=.. -DCONTROLS=.. -DPAGE=folder -DOUT=file -P page_parts.cmake
+# THREE and CONTROLS may be missing: the program then has no page and says what to install.
 set(text "#include \"viz_export/view/page.h\"\n\nnamespace epafi {\nnamespace {\n\n")
 function(add_part name content)
   string(FIND "${content}" ")page_part\"" ends)

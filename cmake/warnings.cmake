@@ -13,7 +13,8 @@ if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # Clang counts the first to -Wconversion, GCC does not; the second tells of simd loops that sanitizers keep scalar
   set(gcc_bugs -Wno-sign-conversion -Wno-pass-failed)
 endif()
-target_compile_options(epafi_warnings INTERFACE -Wall -Wextra -Wpedantic ${shadow} -Wconversion -Wno-psabi ${gcc_bugs} -ffp-contract=off)
+target_compile_options(epafi_warnings INTERFACE -Wall -Wextra -Wpedantic ${shadow} -Wconversion -Wno-psabi ${gcc_bugs}
+  -ffp-contract=off)
 if(EPAFI_WERROR)
   target_compile_options(epafi_warnings INTERFACE -Werror)
 endif()

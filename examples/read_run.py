@@ -1,5 +1,9 @@
 #!/usr/bin/env python3
-"""Reads run.h5 with h5py alone: columns of every snapshot, measures over time. Usage: read_run.py out/hopper"""
+"""Reads run.h5 with h5py alone: columns of every snapshot, measures over time.
+
+Usage: read_run.py out/hopper      (or out/hopper/run.h5)
+"""
+import os
 import sys
 
 import h5py
@@ -9,7 +13,10 @@ def text(attribute):
     return attribute.decode() if isinstance(attribute, bytes) else str(attribute)
 
 
-with h5py.File(sys.argv[1] + "/run.h5", "r") as f:
+if len(sys.argv) != 2 or not os.path.exists(sys.argv[1]):
+    sys.exit(__doc__)
+path = sys.argv[1]
+with h5py.File(os.path.join(path, "run.h5") if os.path.isdir(path) else path, "r") as f:
     print("title:", text(f.attrs["title"]))
     mass = f["bodies/mass"][:]  # by body id; 0 for fixed bodies
     for name in sorted(f["snapshots"]):

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# From a clean clone to the first picture by the README's commands, by the clock: clone, set-up and build, smallest scene, first picture.
+# From a clean clone to the first picture by the README's commands, by the clock: clone, set-up and build, smallest
+# scene, first picture.
 #   perf/first_picture.sh [--ccache] [FOLDER]
 # Without --ccache nothing of an earlier build is used. FOLDER (default: a temporary one, removed again) must not exist.
 set -euo pipefail
@@ -20,7 +21,8 @@ last=$begin
 stamp() {  # what was done, seconds of it, seconds since the start
   local now
   now=$(date +%s.%N)
-  awk -v what="$1" -v a="$last" -v b="$begin" -v now="$now" 'BEGIN { printf "%-44s %8.1f s %8.1f s\n", what, now - a, now - b }'
+  awk -v what="$1" -v a="$last" -v b="$begin" -v now="$now" \
+    'BEGIN { printf "%-44s %8.1f s %8.1f s\n", what, now - a, now - b }'
   last=$now
 }
 printf '%-44s %10s %10s\n' step seconds total

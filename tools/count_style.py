@@ -1,16 +1,18 @@
 #!/usr/bin/env python3
 """Counts what CONTRIBUTING's style page asks for, over all files that git knows.
 
-  tools/count_style.py [--list KIND] [--links]
+  tools/count_style.py [--list KIND] [--links] [--check]
 
 Prints: functions over 50 lines, files over 500 lines, comma chains, lines over 120 characters, commit subjects over 72
 characters, words per page, table cells over 25 words, links without a target, pages with other figures than the table.
 --list KIND names the places of one kind;
---links alone checks links and ends with 1 where a page, picture or heading is missing. Reads text only; functions are
+--links alone checks links and ends with 1 where a page, picture or heading is missing; --check names all places but
+links and subjects and ends with 1 where there is one. Reads text only; functions of C++ are
 found by indentation (a body from a brace at the end of an unindented line to a brace in column 1), so that class
 members and lambdas are not counted by themselves.
 """
 import argparse
+import ast
 import functools
 import pathlib
 import re
@@ -19,7 +21,8 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SOURCES = {".h", ".cpp"}
-LINES_COUNTED = SOURCES | {".css", ".html", ".js", ".mjs", ".py", ".toml"}  # but not data of tests
+LINES_COUNTED = SOURCES | {".cmake", ".css", ".html", ".js", ".mjs", ".py", ".sbatch", ".sh", ".toml"}
+DATA = ("tests/data/", "viz_export/view/glyphs.h", "viz_export/view/more_glyphs.h")  # tables that tools write
 MOST_LINES_OF_A_FILE = 500
 MOST_LINES_OF_A_FUNCTION = 50
 MOST_CHARACTERS_OF_A_LINE = 120
@@ -31,7 +34,9 @@ DECLARATION = re.compile(r"^(const|constexpr|inline|mutable|static|alignas|using
 # `matrix << a, b;`: Eigen's list of coefficients, none of which assigns.
 COEFFICIENTS = re.compile(r"^[^=]*?<<[^=]*$")
 LABEL = re.compile(r"^(case\b.*|default|public|private|protected)\s*:$")
-
+SOURCE_NAME = re.compile(r"`((?:cmake|detection|engine|examples|laws|perf|ranks|scenes|tests|tools|viz_export)/"
+                         r"[\w/.-]+\.(?:h|cpp|py|sh|cmake|toml|csv|bin|txt))[`: ]")
+KINDS_CHECKED = ("functions", "files", "chains", "lines", "cells")
 CONTROL = re.compile(r"^(else\s+)?(if|for|while)\s*(constexpr\s*)?\(|^else\s+")
 
 
@@ -46,6 +51,16 @@ def tracked_files():
 
 def pages():
     return [path for path in tracked_files() if path.suffix == ".md"]
+
+
+def has_counted_lines(path):
+    """Whether people write the file line by line: code, build files, scripts with or without a suffix; no data."""
+    if path.relative_to(ROOT).as_posix().startswith(DATA):
+        return False
+    if path.suffix in LINES_COUNTED or path.name == "CMakeLists.txt":
+        return True
+    with open(path, "rb") as file:
+        return not path.suffix and file.read(2) == b"#!"
 
 
 def without_literals(line):
@@ -147,6 +162,12 @@ def long_functions(lines):
     return found
 
 
+def long_python_functions(text):
+    """(first line, number of lines) of functions at any level whose body, with its docstring, is too long."""
+    return [(node.lineno, node.end_lineno - node.lineno) for node in ast.walk(ast.parse(text))
+            if isinstance(node, ast.FunctionDef) and node.end_lineno - node.lineno > MOST_LINES_OF_A_FUNCTION]
+
+
 def prose_lines(text):
     """(number, line) outside fenced blocks."""
     fenced = False
@@ -185,8 +206,11 @@ def anchors(page):
 
 
 def broken_links(page):
-    """(line, target) of links in a page that lead nowhere in the tree."""
+    """(line, target) of links in a page that lead nowhere in the tree, and of files that it names by their folder."""
     for number, line in prose_lines(page.read_text()):
+        for name in [] if "docs/history" in page.as_posix() else SOURCE_NAME.findall(line):
+            if not (ROOT / name).exists():
+                yield number, name
         for target in re.findall(r"\]\(([^)\s]+)\)", re.sub(r"`[^`]*`", "", line)):
             if re.match(r"[a-z]+:", target):
                 continue
@@ -205,13 +229,19 @@ def find_all():
             text = path.read_text()
             places["cells"] += [(name, line, f"{words} words") for line, words in long_cells(shown(text))]
             places["links"] += [(name, line, target) for line, target in broken_links(path)]
+        if path.suffix == ".py":
+            text = path.read_text()
+            count = text.count("\n")
+            if count > MOST_LINES_OF_A_FILE:
+                places["files"].append((name, 1, f"{count} lines"))
+            places["functions"] += [(name, line, f"{length} lines") for line, length in long_python_functions(text)]
         if path.suffix in SOURCES:
             lines = path.read_text(errors="replace").splitlines()
             if len(lines) > MOST_LINES_OF_A_FILE:
                 places["files"].append((name, 1, f"{len(lines)} lines"))
             places["functions"] += [(name, line, f"{length} lines") for line, length in long_functions(lines)]
             places["chains"] += [(name, line, lines[line - 1].strip()) for line in comma_chains(lines)]
-        if path.suffix in LINES_COUNTED and not name.startswith("tests/data/"):
+        if has_counted_lines(path):
             lines = path.read_text(errors="replace").splitlines()
             places["lines"] += [(name, number, f"{len(line)} characters") for number, line in enumerate(lines, 1)
                                 if len(line) > MOST_CHARACTERS_OF_A_LINE]
@@ -253,6 +283,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--list", choices=["functions", "files", "chains", "lines", "cells", "links", "subjects"])
     parser.add_argument("--links", action="store_true")
+    parser.add_argument("--check", action="store_true")
     options = parser.parse_args()
     if options.list == "subjects":
         print("\n".join(long_subjects()))
@@ -263,6 +294,11 @@ def main():
             print(f"{page.relative_to(ROOT)}:{line}: {target} is not there")
         return 1 if broken else 0
     places = find_all()
+    if options.check:
+        wrong = [place for kind in KINDS_CHECKED for place in places[kind]]
+        for name, line, what in wrong:
+            print(f"{name}:{line}: {what}")
+        return 1 if wrong else 0
     if not options.list:
         print_summary(places)
     for name, line, what in places[options.list] if options.list else []:

@@ -19,7 +19,7 @@ import statistics
 import subprocess
 
 import numpy
-from runs import foretold, settled, write_csv
+from runs import foretold, settled, write_csv, write_table
 
 HEAD = """title = "Beds side by side"
 run = { duration = %.9g, time_step = 5e-5, output_interval = 1e3 }
@@ -92,7 +92,4 @@ for (n, times, s), folder in zip(rows, folders):
         n, middle, min(times), max(times), "%.2f" % (middle / base) if base else "", s["peak_memory_bytes"] / n,
         foretold(o.program, "bed.toml", folder) / n,
         1e3 * s["measures"]["middle"]["z"]["last"], 100 * s["overlap"]["max_relative"]))
-text = "\n".join(lines) + "\n"
-with open(os.path.join(o.out, "table.md"), "w") as f:
-    f.write(text)
-print(text)
+write_table(lines, o.out)

@@ -51,9 +51,7 @@ def write_stl():
     write("hopper.stl", "\n".join(lines + ["endsolid hopper\n"]))
 
 
-def write_inputs(bodies):
-    write_csv(os.path.join(o.out, "bodies.csv"), bodies)
-    write_stl()
+def write_scene():
     write("hopper.toml", """title = "Open hopper"
 run = { duration = 1.0, time_step = %g, output_interval = 1.0 }
 world = { gravity = [0, 0, -9.81], domain = { min = [-0.1, -0.1, -0.1], max = [0.1, 0.1, 1.0], outside = "delete" } }
@@ -74,12 +72,18 @@ kind = "mass_flow"
 plane = { point = [0, 0, 0], normal = [0, 0, -1] }
 interval = %.9g
 """ % (STEP, DENSITY, E, NU, RESTITUTION, FRICTION, o.steps // PARTS * STEP))
-    top = bodies[:, 2].max() + 0.05
+
+
+def write_atoms(bodies, top):
     atoms = "".join("%d 1 %.17g %g %.17g %.17g %.17g\n" % (k + 1, 2 * r, DENSITY, x, y, z)
                     for k, (x, y, z, r) in enumerate(bodies))
     write("hopper.data", "settled hopper\n\n%d atoms\n1 atom types\n\n-0.076 0.076 xlo xhi\n-0.076 0.076 ylo yhi\n"
                          "-0.3 %.9g zlo zhi\n\nAtoms\n\n%s"
           % (len(bodies), top, atoms))
+
+
+def write_peers(top):
+    """Inputs of LAMMPS and LIGGGHTS."""
     common = """read_data hopper.data
 neighbor %g bin
 neigh_modify delay 0 every 1 check yes
@@ -114,6 +118,15 @@ run ${steps}
                              "communicate single vel yes\nunits si\n"
           + common % (properties + "pair_style gran model hertz tangential history\npair_coeff * *\n" + walls,
                       "variable inside atom mass*(z>0.0)"))
+
+
+def write_inputs(bodies):
+    top = bodies[:, 2].max() + 0.05
+    write_csv(os.path.join(o.out, "bodies.csv"), bodies)
+    write_stl()
+    write_scene()
+    write_atoms(bodies, top)
+    write_peers(top)
 
 
 def flow(inside):

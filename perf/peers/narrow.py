@@ -18,6 +18,8 @@ import statistics
 import struct
 import subprocess
 
+from runs import write_table
+
 HERE = os.path.dirname(os.path.abspath(__file__))
 METHODS = ["auto", "gjk-epa"]  # sat gives no distances
 
@@ -93,11 +95,7 @@ def main():
         for r in csv.DictReader(line for line in file if line[0] != "#"):
             cells = list(r.values())
             lines.append("| *%s, 1630 pairs* | *%s* | %s |" % (cells[0], cells[1], " | ".join(cells[2:])))
-    text = "\n".join(lines)
-    text += "\nIn italics: not run here, measured once on another machine (perf/peers/elsewhere/narrow.csv).\n"
-    print("\n" + text + "load of the machine: %.1f" % os.getloadavg()[0])
-    with open(os.path.join(o.out, "table.md"), "w") as file:
-        file.write(text)
+    write_table(lines, o.out, "narrow.csv")
 
 
 main()

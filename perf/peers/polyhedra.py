@@ -18,7 +18,7 @@ import shutil
 import subprocess
 
 import numpy
-from runs import options, resumed, yade_result
+from runs import options, resumed, write_table, yade_result
 
 PER_VOLUME, E, NU, FRICTION, DENSITY, STEP, SIZE = 5e6, 2e3, 0.3, 0.5, 2500.0, 5e-5, 5e-3
 parser = options(__doc__, steps=100, warm=3000, repeats=1, skin=2e-4, out="out/peers_polyhedra")
@@ -135,6 +135,4 @@ for name, run in codes:
     if result:
         lines.append("| %s | %.4g | %.3g | %.4g | %d |" % (name, *result))
         print(lines[-1], flush=True)
-with open(os.path.join(o.out, "table.md"), "w") as f:
-    f.write("\n".join(lines) + "\n")
-print("\n".join(lines) + "\nload of the machine: %.1f" % os.getloadavg()[0])
+write_table(lines, o.out)

@@ -26,7 +26,7 @@ import subprocess
 
 import h5py
 import numpy
-from runs import resumed, without_output
+from runs import resumed, without_output, write_table
 
 HERE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "rigid")
 BULLET = ["-DBT_USE_DOUBLE_PRECISION", "-I/usr/include/bullet"]
@@ -307,11 +307,7 @@ def main():
                          (name, label, ms, " | ".join(judge(name, fixed, free, results[-1][1]))))
             print(lines[-1], flush=True)
         lines += elsewhere(name)
-    text = "\n".join(lines)
-    text += "\nIn italics: not run here, measured once on another machine (perf/peers/elsewhere/rigid.csv).\n"
-    print("\n" + text + "load of the machine: %.1f" % os.getloadavg()[0])
-    with open(os.path.join(o.out, "table.md"), "w") as f:
-        f.write(text)
+    write_table(lines, o.out, "rigid.csv")
 
 
 main()

@@ -136,6 +136,16 @@ def take_turns(codes, repeats):
     return seen
 
 
+def write_table(lines, folder, elsewhere=None):
+    """To table.md, and printed with the load; `elsewhere` names the file of the rows in italics."""
+    text = "\n".join(lines) + "\n"
+    if elsewhere:
+        text += "In italics: not run here, measured once on another machine (perf/peers/elsewhere/%s).\n" % elsewhere
+    print(text + "load of the machine: %.1f" % os.getloadavg()[0])
+    with open(os.path.join(folder, "table.md"), "w") as file:
+        file.write(text)
+
+
 # codes in docs/performance/figures.csv, where their names differ
 SHORT = {"LAMMPS gran/hertz/history": "LAMMPS", "LAMMPS granular (Mindlin, Tsuji)": "LAMMPS granular"}
 
@@ -153,10 +163,7 @@ def print_table(title, checks, seen, folder, case=None):
             lines.append("| %s | %.0f | %.0f, %.0f | %.2f | %s |"
                          % (name, median, min(ns), max(ns), median / ours,
                             " | ".join("%.4g" % x for x in results[-1][1:])))
-    text = "\n".join(lines) + "\n"
-    print(text + "load of the machine: %.1f" % os.getloadavg()[0])
-    with open(os.path.join(folder, "table.md"), "w") as f:
-        f.write(text)
+    write_table(lines, folder)
     if case is None:
         return
     with open(os.path.join(folder, "figures.csv"), "w") as f:

@@ -51,17 +51,35 @@ def sentences(rows, unit):
 
 
 def table_text(rows, unit):
-    best = front(rows)
-    lines = ["| engine | settings | s per s | spread | error [%s] | status | |" % unit, "|---" * 7 + "|"]
+    """One line for all measures of an engine at its settings."""
+    names = measures(rows)
+    best = {m: front(of_measure(rows, m)) for m in names}
+    lines = ["| engine | settings | s per s | spread | %s | status | |"
+             % " | ".join("%s [%s]" % (m or "error", unit) for m in names), "|---" * (6 + len(names)) + "|"]
+    runs = {}
+    for r in rows:
+        if not r["status"].startswith("left out"):
+            runs.setdefault((r["engine"], r["settings"]), []).append(r)
+    for (engine, settings), of_run in runs.items():
+        r = of_run[0]
+        marks = ["default"] * (r["default"] == "yes")
+        marks += [("front " + m).strip() for m in names if any(one in best[m] for one in of_run)]
+        errors = [next((figure(one["error"]) for one in of_run if one["error"] and one["measure"] == m), "")
+                  for m in names]
+        time = "%.3g" % float(r["seconds"]) if r["seconds"] else ""
+        lines.append("| %s | %s | %s | %s | %s | %s | %s |" % (engine, settings, time, r["spread"], " | ".join(errors),
+                                                               r["status"], ", ".join(marks)))
+    return "\n".join(lines)
+
+
+def left_out(rows):
+    """Engines that the problem is not for, those of one reason together."""
+    reasons = {}
     for r in rows:
         if r["status"].startswith("left out"):
-            continue
-        marks = ", ".join(word for word, holds in (("default", r["default"] == "yes"), ("front", r in best)) if holds)
-        time = "%.3g" % float(r["seconds"]) if r["seconds"] else ""
-        error = figure(r["error"]) if r["error"] else ""
-        lines.append("| %s | %s | %s | %s | %s | %s | %s |" % (r["engine"], r["settings"], time, r["spread"], error,
-                                                               r["status"], marks))
-    return "\n".join(lines)
+            engines = reasons.setdefault(r["status"], [])
+            engines += [r["engine"]] * (r["engine"] not in engines)
+    return ["%s: %s." % (", ".join(engines), why) for why, engines in reasons.items()]
 
 
 def stem_of(name, measure):
@@ -74,17 +92,18 @@ def page(name, rows, folder):
     unit = problem.UNIT
     out = ["# " + problem.TITLE, "", problem.__doc__.strip(), ""]
     for measure in measures(rows):
-        these = of_measure(rows, measure)
         if measure:
             out += ["## " + measure.capitalize(), ""]
-        out += [sentences(these, unit), ""]
-        if getattr(problem, "WHY", ""):
-            out += [problem.WHY, ""]
+        out += [sentences(of_measure(rows, measure), unit), ""]
         if os.path.exists(os.path.join(folder, stem_of(name, measure) + ".svg")):
             out += ["![%s](%s.svg)" % (problem.TITLE, stem_of(name, measure)), ""]
-        out += [table_text(these, unit), ""]
-    left = {r["engine"]: r["status"] for r in rows if r["status"].startswith("left out")}
-    out += ["%s: %s." % pair for pair in left.items()] + ([""] if left else [])
+    if measures(rows)[1:]:
+        out += ["## All settings", ""]
+    if getattr(problem, "WHY", ""):
+        out += [problem.WHY, ""]
+    out += [table_text(rows, unit), ""]
+    left = left_out(rows)
+    out += left + [""] * bool(left)
     versions = dict.fromkeys("%s %s" % (r["engine"], r["version"]) for r in rows if r["seconds"])
     machines = sorted({r["processor"] for r in rows if r["processor"]})
     dates = sorted({r["date"] for r in rows if r["date"]})

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 
 #include "detection/narrow/pairs/pair_methods.h"
 #include "scenes/cli/list.h"
@@ -88,10 +89,19 @@ void add_fields(std::string& out, const std::vector<Field>& fields, const std::s
   }
 }
 
+constexpr const char* field_head =
+    "| key | symbol | unit | kind | default | admissible | |\n|---|---|---|---|---|---|---|\n";
+
 std::string field_table(const std::vector<Field>& fields) {
   if (fields.empty()) return "No parameters.\n";
-  std::string out = "| key | symbol | unit | kind | default | admissible | |\n|---|---|---|---|---|---|---|\n";
+  std::string out = field_head;
   add_fields(out, fields, "");
+  return out;
+}
+
+std::string field_row(const Field& f) {
+  std::string out;
+  add_fields(out, {f}, "");
   return out;
 }
 
@@ -110,14 +120,54 @@ std::string needs_text(const Needs& n) {
   return out;
 }
 
+std::string heading(const Entry& e) {
+  std::string out = "\n### " + e.name + "\n" + e.summary + (e.source.empty() ? "" : " (" + e.source + ")") + ".\n";
+  if (const std::string needs = needs_text(e.needs); !needs.empty()) out += "Asks for: " + needs + ".\n";
+  return out + "\n";
+}
+
 std::string entries(const std::vector<Entry>& list, bool shapes = false) {
   std::string out;
-  for (const Entry& e : list) {
-    out += "\n### " + e.name + "\n" + e.summary + (e.source.empty() ? "" : " (" + e.source + ")") + ".\n";
-    if (const std::string needs = needs_text(e.needs); !needs.empty()) out += "Asks for: " + needs + ".\n";
-    out += "\n" + field_table(shapes ? authoring_fields(e) : e.fields);
-  }
+  for (const Entry& e : list) out += heading(e) + field_table(shapes ? authoring_fields(e) : e.fields);
   return out;
+}
+
+/// Rows by key: of each key the one that most entries have, if at least three do.
+std::map<std::string, std::string> find_shared_rows(const std::vector<Entry>& list) {
+  std::map<std::string, std::map<std::string, int>> uses;
+  for (const Entry& e : list)
+    for (const Field& f : e.fields) ++uses[f.name][field_row(f)];
+  std::map<std::string, std::string> shared;
+  for (const auto& [name, rows] : uses) {
+    const auto most =
+        std::max_element(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (most->second >= 3) shared[name] = most->first;
+  }
+  return shared;
+}
+
+/// Keys that several entries describe by the same words stand in one table before them.
+std::string entries_with_shared_keys(const std::vector<Entry>& list) {
+  const auto shared = find_shared_rows(list);
+  std::string table, out;
+  for (const Entry& e : list) {
+    std::string own, also;
+    for (const Field& f : e.fields) {
+      const std::string row = field_row(f);
+      const auto at = shared.find(f.name);
+      if (at == shared.end() || at->second != row) {
+        own += row;
+        continue;
+      }
+      also += (also.empty() ? "" : ", ") + ("`" + f.name + "`");
+      if (table.find(row) == table.npos) table += row;
+    }
+    out += heading(e);
+    if (!own.empty()) out += field_head + own;
+    if (!also.empty()) out += std::string(own.empty() ? "Shared keys: " : "\nAnd shared keys: ") + also + ".\n";
+    if (e.fields.empty()) out += "No parameters.\n";
+  }
+  return table.empty() ? out : "\nShared keys; each entry names those that it takes:\n\n" + (field_head + table) + out;
 }
 
 std::string pair_matrix(const std::vector<Entry>& shapes) {
@@ -186,11 +236,13 @@ std::vector<std::pair<std::string, std::string>> reference_pages(const Registry&
   const std::string top = origin;
   return {{"shapes.md", top + "# Shapes: `[shape.NAME]` or `shape = { ... }`\n" + entries(r.shapes, true) +
                             "\n## How each pair is found\n\n" + pair_matrix(r.shapes)},
-          {"laws.md", top + "# Laws of smooth contact\n\n## Normal: `[contact.smooth] law`\n" + entries(r.normal_laws) +
-                          "\n## Friction: `[contact.smooth] tangential`\n" + entries(r.tangential_laws) +
-                          "\n## Rolling: `[contact.smooth] rolling`\n" + entries(r.rolling_laws)},
-          {"solvers.md", top + "# Solvers of non-smooth contact: `[contact.nonsmooth] solver`\n" + entries(r.solvers)},
-          {"measures.md", top + "# Measures: `[[measure]] kind`\n" + entries(r.measures)},
+          {"laws.md", top + "# Laws of smooth contact\n\n## Normal: `[contact.smooth] law`\n" +
+                          entries_with_shared_keys(r.normal_laws) + "\n## Friction: `[contact.smooth] tangential`\n" +
+                          entries(r.tangential_laws) + "\n## Rolling: `[contact.smooth] rolling`\n" +
+                          entries(r.rolling_laws)},
+          {"solvers.md", top + "# Solvers of non-smooth contact: `[contact.nonsmooth] solver`\n" +
+                             entries_with_shared_keys(r.solvers)},
+          {"measures.md", top + "# Measures: `[[measure]] kind`\n" + entries_with_shared_keys(r.measures)},
           {"stages.md", top + "# Broad phases and time schemes\n\n## `[detection] broad_phase`\n" +
                             entries(r.broad_phases) + "\n## `[run] scheme`\n" + entries(r.schemes)},
           {"keys.md", keys_page(r)},

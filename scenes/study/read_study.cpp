@@ -192,6 +192,29 @@ struct StudyReader {
         study.fails_when.push_back({key, *limit});
   }
 
+  void read_table_of(const std::string& key, const Node& value) {
+    if (key == "error") read_errors(value);
+    if (key == "axis") read_axis(value);
+    if (key == "again") {
+      study.again = overrides_of(value);
+      study.has_again = true;
+    }
+    if (key == "reference") {
+      study.reference = overrides_of(value);
+      study.has_reference = true;
+    }
+    if (key == "set") study.fixed = overrides_of(value);
+    if (key == "fails_when") read_failures(value);
+    if (key == "parameter") read_parameter(value);
+    if (key == "parameters" || key == "vary") {
+      if (value.type != Node::Type::array) {
+        reading.error(value.place, key + ": expected a list of tables");
+        return;
+      }
+      for (const auto& item : value.items) key == "vary" ? read_method(item) : read_parameter(item);
+    }
+  }
+
   void read(const Node& root) {
     Node plain = root;
     std::erase_if(plain.members, [](const Member& m) { return is_free_table(m.key); });
@@ -224,28 +247,7 @@ struct StudyReader {
     else
       reading.error(v.place_of("time_limit"),
                     "time_limit '" + v.text("time_limit") + "' is no duration; write 90s, 30m or 3h50m");
-    for (const auto& [key, place, value] : root.members) {
-      if (key == "error") read_errors(value);
-      if (key == "axis") read_axis(value);
-      if (key == "again") {
-        study.again = overrides_of(value);
-        study.has_again = true;
-      }
-      if (key == "reference") {
-        study.reference = overrides_of(value);
-        study.has_reference = true;
-      }
-      if (key == "set") study.fixed = overrides_of(value);
-      if (key == "fails_when") read_failures(value);
-      if (key == "parameter") read_parameter(value);
-      if (key == "parameters" || key == "vary") {
-        if (value.type != Node::Type::array) {
-          reading.error(value.place, key + ": expected a list of tables");
-          continue;
-        }
-        for (const auto& item : value.items) key == "vary" ? read_method(item) : read_parameter(item);
-      }
-    }
+    for (const auto& [key, place, value] : root.members) read_table_of(key, value);
   }
 };
 

@@ -9,6 +9,7 @@
 #include "tests/detection/mesh_floors.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
+#include "tests/support/united_contacts.h"
 
 using namespace epafi;
 
@@ -66,18 +67,7 @@ struct Floor : testing::FramedWorld {
     frame = {distance * testing::random_direction(random), testing::random_turn(random)};
   }
   /// Of the last body with all others.
-  ContactSet contacts() {
-    PairList list;
-    const auto body = static_cast<Slot>(world.size() - 1);
-    for (Slot wall = 0; wall < body; ++wall) list.pairs.push_back({wall, body});
-    list.generation = 1;
-    BatchNarrowPhase narrow(shapes, 0.0, false);
-    narrow.join_walls();
-    ContactSet out;
-    narrow.collide(world, list, out);
-    narrow.unite(world, out);
-    return out;
-  }
+  ContactSet contacts() { return testing::united_contacts_of_last(world, shapes); }
   Vec3 up() const { return frame.orientation * Vec3::UnitZ(); }
 };
 

@@ -6,6 +6,7 @@
 #include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/random_geometry.h"
+#include "tests/support/united_contacts.h"
 
 using namespace epafi;
 using Catch::Matchers::WithinAbs;
@@ -367,16 +368,7 @@ ContactSet of_joined(const A& a, double za, const B& b, double zb, double radius
   body.mass = 1.0;
   body.inertia = Vec3::Ones();
   world.add(body);
-  PairList list;
-  list.pairs.push_back({0, 2});
-  list.pairs.push_back({1, 2});
-  list.generation = 1;
-  BatchNarrowPhase narrow(shapes, 0.0, false);
-  narrow.join_walls();
-  ContactSet out;
-  narrow.collide(world, list, out);
-  narrow.unite(world, out);
-  return out;
+  return testing::united_contacts_of_last(world, shapes);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "detection/narrow/pairs/half_space_pairs.h"
 #include "detection/narrow/pairs/sphere_pairs.h"
 #include "detection/shapes/half_space.h"
+#include "tests/detection/mesh_floors.h"
 #include "tests/support/catch.h"
 #include "tests/support/pair_contacts.h"
 #include "tests/support/polyhedra.h"
@@ -268,18 +269,6 @@ TEST_CASE("a slab thinner than the reach touches a plane at its lower corners", 
 
 namespace {
 
-/// Both sets of contacts hold the same gaps, normals and points, within the tolerance.
-void check_same(const ContactSet& found, const ContactSet& expected, double tolerance) {
-  REQUIRE(found.size() == expected.size());
-  for (std::size_t k = 0; k < expected.size(); ++k) {
-    double best = infinity;
-    for (std::size_t i = 0; i < found.size(); ++i)
-      best = std::min(best, std::abs(found.gap[i] - expected.gap[k]) + (found.normal[i] - expected.normal[k]).norm() +
-                                (found.arm[i] - expected.arm[k]).norm());
-    CHECK(best < tolerance);
-  }
-}
-
 /// The body over the top of a slab and over the half-space in its place, in any frame, the slab as A and as B.
 template <class S>
 std::size_t check_on_slab(const S& body, const Quat& turn, double depth, double reach, Random& random) {
@@ -293,11 +282,11 @@ std::size_t check_on_slab(const S& body, const Quat& turn, double depth, double 
   sink.begin(0, 1);
   collide_closed(body, HalfSpace{}, PairQuery{p, plane, reach}, sink);
   sink.end();
-  check_same(support::contacts(body, p, slab, frame, reach), expected, 1e-8);
+  testing::check_same_contacts(support::contacts(body, p, slab, frame, reach), expected, 1e-8);
   ContactSet turned = support::contacts(slab, frame, body, p, reach);
   for (Vec3& n : turned.normal) n = -n;
   for (Vec3& arm : turned.arm) arm += frame.position - p.position;
-  check_same(turned, expected, 1e-8);
+  testing::check_same_contacts(turned, expected, 1e-8);
   return expected.size();
 }
 

@@ -9,6 +9,7 @@
 #include "tests/detection/framed_world.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
+#include "tests/support/united_contacts.h"
 
 using namespace epafi;
 using Catch::Matchers::WithinAbs;
@@ -28,18 +29,7 @@ struct Setting : testing::FramedWorld {
     add(shape, local, 1.0);
   }
 
-  ContactSet contacts(double reach = 0.0) {
-    PairList list;
-    const auto body = static_cast<Slot>(world.size() - 1);
-    for (Slot wall = 0; wall < body; ++wall) list.pairs.push_back({wall, body});
-    list.generation = 1;
-    BatchNarrowPhase narrow(shapes, reach, false);
-    narrow.join_walls();
-    ContactSet out;
-    narrow.collide(world, list, out);
-    narrow.unite(world, out);
-    return out;
-  }
+  ContactSet contacts(double reach = 0.0) { return testing::united_contacts_of_last(world, shapes, reach); }
   Vec3 up() const { return frame.orientation * Vec3::UnitZ(); }
 };
 
@@ -189,13 +179,7 @@ ContactSet contacts_over_images(Setting& s) {
   PairList list;
   for (const int x : {0, -1, 1})
     for (const int y : {0, -1, 1}) list.pairs.push_back({0, 1, image_code(x, y, 0) | image_code(x, y, 0) << 8});
-  list.generation = 1;
-  BatchNarrowPhase narrow(s.shapes, 0.0, false);
-  narrow.join_walls();
-  ContactSet found;
-  narrow.collide(s.world, list, found);
-  narrow.unite(s.world, found);
-  return found;
+  return testing::united_contacts(s.world, s.shapes, list);
 }
 
 }  // namespace
@@ -393,15 +377,10 @@ TEST_CASE("free bodies that are in each other keep their contact on a floor and 
         s.add_body(block(size), at);
     }
     PairList list;
-    list.generation = 1;
     for (Slot wall = 0; wall < walls; ++wall)
       for (const Slot body : {walls, static_cast<Slot>(walls + 1)}) list.pairs.push_back({wall, body});
     list.pairs.push_back({walls, static_cast<Slot>(walls + 1)});
-    BatchNarrowPhase narrow(s.shapes, 0.0, false);
-    narrow.join_walls();
-    ContactSet found;
-    narrow.collide(s.world, list, found);
-    narrow.unite(s.world, found);
+    const ContactSet found = testing::united_contacts(s.world, s.shapes, list);
     double deep = 0.0;
     bool each[2] = {false, false};
     for (std::size_t i = 0; i < found.size(); ++i) {

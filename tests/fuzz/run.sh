@@ -12,37 +12,50 @@ export OMP_NUM_THREADS=1 ASAN_OPTIONS=allocator_may_return_null=1:detect_odr_vio
 echo "leak:libhdf5" > "$out/leaks"
 export LSAN_OPTIONS=suppressions=$out/leaks:print_suppressions=0
 cat > "$out/flags" <<END
--std=c++20 -O1 -gline-tables-only -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=undefined -fopenmp=libgomp
+-std=c++20 -O1 -gline-tables-only -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=undefined
+-fopenmp=libgomp
 -ffp-contract=off -DEPAFI_CHECK_CONTRACTS -DTOML_HEADER_ONLY=0 -DFMT_SHARED -DEPAFI_VERSION=\\"0.1.0\\" -I$root
 -isystem /usr/include/eigen3 -isystem /usr/include/hdf5/serial
 END
 unit() { # name, files: compiled as one; again where one of them or any header is newer
   local name=$1; shift
   for f in "$@"; do echo "#include \"$f\""; done > "$out/$name.cpp"
-  if [ -e "$out/$name.o" ] && [ -z "$(find "$@" -newer "$out/$name.o"; find $floors -name '*.h' -newer "$out/$name.o")" ]; then return; fi
+  if [ -e "$out/$name.o" ]; then
+    [ -n "$(find "$@" -newer "$out/$name.o"; find $floors -name '*.h' -newer "$out/$name.o")" ] || return 0
+  fi
   echo "compiling $name"; nice -n 10 clang++-14 @"$out/flags" -c "$out/$name.cpp" -o "$out/$name.o"
 }
 floors="engine detection laws scenes viz_export tests"
 cd "$root"
 unit reader $(ls scenes/reader/*.cpp)
-unit files viz_export/{hdf5_file,hdf5_driver,problem_file,run_file,stored_run,checkpoint,json_reader}.cpp
+unit files viz_export/hdf5/{hdf5_file,hdf5_driver,problem_file,run_file,stored_run,checkpoint}.cpp \
+  viz_export/files/json_reader.cpp
 unit meshes detection/shapes/{mesh_file,mesh_ply,triangle_mesh}.cpp detection/mass_properties.cpp engine/units/units.cpp
 unit target tests/fuzz/fuzz_readers.cpp
 objects="$out/reader.o $out/files.o $out/meshes.o $out/target.o"
 library() { echo "$build/$1/libepafi_$1.a"; }
 fresh=1
-for o in $objects "$(library scenes)" "$(library viz_export)" "$(library detection)"; do [ "$out/fuzz_readers" -nt "$o" ] || fresh=0; done
-[ $fresh = 1 ] || nice -n 10 clang++-14 -fsanitize=fuzzer,address,undefined -fopenmp=libgomp $objects -Wl,-z,muldefs,--start-group "$(library scenes)" \
-  "$(library viz_export)" "$(library laws)" "$(library detection)" "$(library engine)" -Wl,--end-group \
+for o in $objects "$(library scenes)" "$(library viz_export)" "$(library detection)"; do
+  [ "$out/fuzz_readers" -nt "$o" ] || fresh=0
+done
+[ $fresh = 1 ] || nice -n 10 clang++-14 -fsanitize=fuzzer,address,undefined -fopenmp=libgomp $objects \
+  -Wl,-z,muldefs,--start-group "$(library scenes)" "$(library viz_export)" "$(library laws)" "$(library detection)" \
+  "$(library engine)" -Wl,--end-group \
   -ltomlplusplus -lfmt -lhdf5_serial -lz -lgmp -lmpfr -o "$out/fuzz_readers"
 for reader in ${*:-scene mesh problem run}; do
   mkdir -p "$out/$reader"
   most=2048  # MB at once; HDF5 itself asks for whatever a broken file says, gets nothing and reports it
   seeds="$root/tests/data/fuzz/$reader"
-  case $reader in scene) longest=6000 seeds="$seeds $root/scenes/library $root/tests/data/broken" ;; run) longest=70000 most=100000000 ;; problem) longest=20000 most=100000000 ;; *) longest=20000 ;; esac
+  case $reader in
+    scene) longest=6000 seeds="$seeds $root/scenes/library $root/tests/data/broken" ;;
+    run) longest=70000 most=100000000 ;;
+    problem) longest=20000 most=100000000 ;;
+    *) longest=20000 ;;
+  esac
   echo "== $reader"
-  FUZZ=$reader nice -n 10 "$out/fuzz_readers" -runs="$runs" -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=$most -max_len=$longest -print_final_stats=1 \
-    -artifact_prefix="$out/$reader-" "$out/$reader" $seeds > "$out/$reader.log" 2>&1 ||
+  FUZZ=$reader nice -n 10 "$out/fuzz_readers" -runs="$runs" -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=$most \
+    -max_len=$longest -print_final_stats=1 -artifact_prefix="$out/$reader-" "$out/$reader" $seeds \
+    > "$out/$reader.log" 2>&1 ||
     { tail -40 "$out/$reader.log"; exit 1; }
   grep -E "stat::number_of_executed_units|stat::peak_rss|stat::average" "$out/$reader.log"
 done

@@ -72,7 +72,7 @@ TEST_CASE("a null vector that all contacts oppose decides: 200 random problems a
   }
 }
 
-TEST_CASE("a ball squeezed between two driven walls is told by every solver", "[laws][nonsmooth][lcp]") {
+TEST_CASE("a ball squeezed between two driven walls is reported by every solver", "[laws][nonsmooth][lcp]") {
   for (const SolverEntry& solver : all_solvers()) {
     INFO(solver.entry.name);
     RigidSettings s{.gravity = Vec3::Zero(), .solver = solver.entry.name};
@@ -94,7 +94,7 @@ TEST_CASE("a ball squeezed between two driven walls is told by every solver", "[
   }
 }
 
-TEST_CASE("a slow squeeze beside fast bodies is told, though its share of the residual is small",
+TEST_CASE("a slow squeeze beside fast bodies is reported, though its share of the residual is small",
           "[laws][nonsmooth][lcp]") {
   for (const double speed : {1.0, 100.0, 1e4}) {
     RigidSettings s{.gravity = Vec3::Zero(), .solver = "adaptive"};

@@ -1,6 +1,7 @@
 #!/bin/bash
-# The bits of AVX-512 on a machine without it: avx512.sh PROGRAM LIBRARY FOLDER. A kernel of Debian's boots in Bochs, which
-# emulates a processor that has it, and small scenes run by every instruction set; state hash and energies must be equal.
+# The bits of AVX-512 on a machine without it: avx512.sh PROGRAM LIBRARY FOLDER. A kernel of Debian's boots in Bochs,
+# which emulates a processor that has it, and small scenes run by every instruction set; state hash and energies must be
+# equal.
 # Five minutes. Needs of Debian: bochs bochsbios vgabios bochs-term isolinux syslinux-common genisoimage busybox-static
 # cpio lz4, and apt-get download for the kernel.
 set -eu
@@ -13,7 +14,10 @@ if [ ! -f iso/vmlinuz ]; then
   cp kernel/boot/vmlinuz-* iso/vmlinuz
 fi
 cp /bin/busybox disk/bin/; cp "$program" disk/bin/epafi; cp -r "$library" disk/library
-ldd "$program" | grep -o '/[^ ]*' | while read -r file; do mkdir -p "disk$(dirname "$file")"; cp -L "$file" "disk$file"; done
+ldd "$program" | grep -o '/[^ ]*' | while read -r file; do
+  mkdir -p "disk$(dirname "$file")"
+  cp -L "$file" "disk$file"
+done
 
 cat > disk/init <<'EOF'
 #!/bin/busybox sh
@@ -28,12 +32,13 @@ run() { # NAME SCENE STEPS OVERRIDES...
   for o in "$@"; do sets="$sets --set $o"; done
   for target in baseline avx2 avx512; do
     EPAFI_TARGET=$target epafi run /library/$scene $sets --steps $steps -t 1 -q --force --least-output -o /tmp/run
-    echo "RAN $name: $(grep -E '"(kinetic|elastic|dissipated|state_hash)"' /tmp/run/summary.json | tr -d ' \n') by $target"
+    figures=$(grep -E '"(kinetic|elastic|dissipated|state_hash)"' /tmp/run/summary.json | tr -d ' \n')
+    echo "RAN $name: $figures by $target"
   done
 }
 run bed bed/bed.toml 1200 params.n=150
-run rolling bed/bed.toml 3000 params.n=150 run.time_step=1.9e-5 contact.smooth.rolling=spring contact.rolling_friction=0.1 \
-  contact.smooth.tangential=mindlin-dashpot
+run rolling bed/bed.toml 3000 params.n=150 run.time_step=1.9e-5 contact.smooth.rolling=spring \
+  contact.rolling_friction=0.1 contact.smooth.tangential=mindlin-dashpot
 run cell granular/jammed_spheres.toml 1500 params.n=80 params.start=0.12 params.mu=0.3 params.softness=1e-2 \
   params.first=1e-2 params.ramp=1 world.domain.rate_limit=8.0 run.duration=8
 run stack stacking/stack.toml 20
@@ -46,13 +51,15 @@ chmod +x disk/init
 
 cp /usr/lib/ISOLINUX/isolinux.bin /usr/lib/syslinux/modules/bios/ldlinux.c32 iso/isolinux/
 # 321 and 323: XSAVEC and XSAVES, whose area Bochs 2.7 says is larger than it is; the kernel would do without AVX then
-cat > iso/isolinux/isolinux.cfg <<'EOF'
+options="nosmp noapic acpi=off nokaslr nopti mitigations=off tsc=reliable lpj=4000000 clearcpuid=321,323"
+cat > iso/isolinux/isolinux.cfg <<EOF
 default epafi
 label epafi
   kernel /vmlinuz
-  append initrd=/initrd console=ttyS0 nosmp noapic acpi=off nokaslr nopti mitigations=off tsc=reliable lpj=4000000 clearcpuid=321,323
+  append initrd=/initrd console=ttyS0 $options
 EOF
-genisoimage -quiet -o boot.iso -b isolinux/isolinux.bin -c isolinux/boot.cat -no-emul-boot -boot-load-size 4 -boot-info-table iso
+genisoimage -quiet -o boot.iso -b isolinux/isolinux.bin -c isolinux/boot.cat -no-emul-boot -boot-load-size 4 \
+  -boot-info-table iso
 cat > bochsrc <<'EOF'
 plugin_ctrl: unmapped=1, biosdev=1, speaker=0, extfpuirq=1, parallel=0, serial=1
 config_interface: textconfig
@@ -85,6 +92,7 @@ grep -aq "^FOUND AVX-512" serial.txt || { echo "FAILED: no AVX-512"; bad=1; }
 grep -aq "^DONE" serial.txt || { echo "FAILED: it did not end: $(tail -c 300 serial.txt)"; bad=1; }
 for name in bed rolling cell stack arch; do
   lines=$(grep -aE "^RAN $name:.*state_hash" serial.txt | tr -d '\r' | sed 's/ by .*//')
-  [ "$(echo "$lines" | grep -c .)" = 3 ] && [ "$(echo "$lines" | sort -u | wc -l)" = 1 ] || { echo "FAILED: $name"; bad=1; }
+  [ "$(echo "$lines" | grep -c .)" = 3 ] && [ "$(echo "$lines" | sort -u | wc -l)" = 1 ] ||
+    { echo "FAILED: $name"; bad=1; }
 done
 exit $bad

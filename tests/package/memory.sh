@@ -1,8 +1,8 @@
 #!/bin/bash
 # Where memory does not do, the program says so and ends with code 3: memory.sh PROGRAM FOLDER SCENE... [-- SCENE...]
-# The limit of address space (ulimit -v) grows from the least under which the program starts, by 3 % at a time, until the
-# run goes through; every run before must be refused with a message, never end by a signal. What `epafi check` says of
-# the memory is compared with the peak of 2000 steps, also for the scenes behind --: within 20 % and 2 MB.
+# The limit of address space (ulimit -v) grows from the least under which the program starts, by 3 % at a time, until
+# the run goes through; every run before must be refused with a message, never end by a signal. What `epafi check` says
+# of the memory is compared with the peak of 2000 steps, also for the scenes behind --: within 20 % and 2 MB.
 set -u
 program=$1 folder=$2; shift 2
 export OMP_WAIT_POLICY=passive
@@ -33,7 +33,8 @@ compare() {  # SCENE
   peak=$(sed -n 's/.*"peak_memory_bytes": \([0-9]*\).*/\1/p' "$folder/run/summary.json")
   said=$("$program" check "$1" | sed -n 's/.*memory *about \([0-9]*\) MB.*/\1/p')
   echo "$(basename "$1"): said $said MB, peak $((peak / 1000000)) MB"
-  awk -v s="$said" -v p="$peak" 'BEGIN { p /= 1e6; exit !(s - p <= 0.2 * p + 2 && p - s <= 0.2 * p + 2) }' || fail "$1: $said MB said, peak $peak bytes"
+  awk -v s="$said" -v p="$peak" 'BEGIN { p /= 1e6; exit !(s - p <= 0.2 * p + 2 && p - s <= 0.2 * p + 2) }' ||
+    fail "$1: $said MB said, peak $peak bytes"
 }
 
 limited=yes

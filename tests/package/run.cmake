@@ -1,5 +1,5 @@
-# Installs the build into a folder of its own, builds the examples against it, runs them, and compares the hash of a scene with
-# the program's own. Variables: BUILD, SOURCE, WORK.
+# Installs the build into a folder of its own, builds the examples against it, runs them, and compares the hash of a
+# scene with the program's own. Variables: BUILD, SOURCE, WORK.
 function(must)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE out)
   if(NOT code EQUAL 0)

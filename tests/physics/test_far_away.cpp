@@ -51,7 +51,7 @@ TEST_CASE("an arch far from the origin stands and falls as at the origin (A31, B
   }
 }
 
-TEST_CASE("a scene far from the origin is told what its forces can be known to (B10)", "[physics][B10]") {
+TEST_CASE("a scene far from the origin reports how exact its forces can be (B10)", "[physics][B10]") {
   const auto scene = [](const std::string& x) {
     return "title = \"far\"\nrun = { duration = 1e-4, time_step = 1e-6 }\n"
            "material.glass = { density = 2500, youngs_modulus = 70e9, poissons_ratio = 0.22 }\n"

@@ -215,7 +215,7 @@ TEST_CASE("amounts beyond the memory are refused before they take any", "[physic
     }
 }
 
-TEST_CASE("bodies that stand outside the domain are told before they go", "[physics][placing]") {
+TEST_CASE("bodies outside the domain are reported before they are removed", "[physics][placing]") {
   const std::string body =
       "[[body]]\nname = \"b\"\nshape = { sphere = { radius = 0.1 } }\nmaterial = \"m\"\nposition = [0, 0, 3]\n";
   const auto domain = [](const char* outside) {

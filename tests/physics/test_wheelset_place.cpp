@@ -72,7 +72,7 @@ TEST_CASE("a wheelset that cannot stand is named", "[physics][wheel_rail]") {
                     Catch::Contains("does not stand on both rails 0.2 m beside"));
 }
 
-TEST_CASE("a wheelset that leaves its track is told with place and time", "[physics][wheel_rail]") {
+TEST_CASE("a wheelset that leaves its track is reported with place and time", "[physics][wheel_rail]") {
   // thrown sideways: the flange climbs; lifted over the rail: the wheel falls beside it
   for (const char* how :
        {"position = [0, 0, -0.47]\nvelocity = [20, 1, -1]\n", "position = [0, 0.03, -0.5]\nvelocity = [5, 0.5, 0]\n"}) {

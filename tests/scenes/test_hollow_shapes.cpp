@@ -41,7 +41,7 @@ TEST_CASE("a tube or cone that nothing holds or drives is refused at its place",
     CHECK(read_body(wall("tube = { radius = 0.1, length = 1.0 }", held)).scene.has_value());
 }
 
-TEST_CASE("radii and ends of hollow walls are looked at", "[scenes][door][hollow]") {
+TEST_CASE("radii and ends of hollow walls are checked", "[scenes][door][hollow]") {
   using Catch::Contains;
   const auto of = [](const char* shape) { return refusal(read_body(wall(shape, "fixed = true"))); };
   CHECK_THAT(of("cone = { radii = [0.1], length = 1.0 }"), Contains("scene.toml:12:") && Contains("found 1"));

@@ -44,7 +44,7 @@ TEST_CASE("who names a body whose table is wrong is not told that there is none"
     }
 }
 
-TEST_CASE("an unknown key is told the keys of the chosen law, solver or measure", "[scenes][reader]") {
+TEST_CASE("the message for an unknown key lists the keys of the chosen law, solver or measure", "[scenes][reader]") {
   const auto told = [](const std::string& contact) {
     return problems_of(message_head + "contact = { restitution = 0.5, friction = 0, " + contact +
                        " }\n[[body]]\nshape = { sphere = { radius = 1 } }\nmaterial = \"a\"\n");

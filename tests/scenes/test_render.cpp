@@ -186,7 +186,7 @@ TEST_CASE("pages are written over pages alone, and no output over its input", "[
   }
 }
 
-TEST_CASE("what is damaged beside a whole run.h5 is told, and the rest shown", "[scenes][view]") {
+TEST_CASE("damage beside a whole run.h5 is reported, and the rest shown", "[scenes][view]") {
   const RenderedRun r;
   std::mt19937 random(23);
   const std::string said = (r.folder / "said").string(), run = r.run.string();

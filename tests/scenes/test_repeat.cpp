@@ -98,7 +98,7 @@ TEST_CASE("bodies that are repeated along three axes are named with three indice
     CHECK(scene.measures[k].bodies.at(0).bodies.at(0).first == 5 + (k < 12 ? k + 12 : k - 12));
 }
 
-TEST_CASE("what is wrong with a repeated table is told once, with what it has found", "[scenes][reader][repeat]") {
+TEST_CASE("what is wrong with a repeated table is reported once, with what was found", "[scenes][reader][repeat]") {
   const auto one = [](const std::string& tail) {
     const ReadResult result = read_chain(tail);
     INFO(told_of_chain(result));

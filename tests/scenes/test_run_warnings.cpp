@@ -90,7 +90,7 @@ TEST_CASE("the largest overlap is that of all steps, and a bound on it holds in 
   CHECK(run_of(thrown_ball(folder, 5e-5, fast + "[bounds]\noverlap_relative = 0.09\n"), again).code == exit_bound);
 }
 
-TEST_CASE("bodies that go more than half a radius into others are told", "[scenes][warnings]") {
+TEST_CASE("bodies that overlap by more than half a radius are reported", "[scenes][warnings]") {
   std::mt19937 random(6);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int k = 0; k < 12; ++k) {

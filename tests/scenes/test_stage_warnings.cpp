@@ -55,7 +55,7 @@ TEST_CASE("check and run tell of a step that is longer than a later stage, once"
   CHECK_THAT(told_by([&] { return command_run(common, run); }).err, Catch::Contains("longer than the 0.0002 s"));
 }
 
-TEST_CASE("a spring whose body a stage takes out is told", "[scenes][stages][warnings]") {
+TEST_CASE("a spring whose body a stage removes is reported", "[scenes][stages][warnings]") {
   const TemporaryFolder folder;
   CommonOptions common;
   common.scene = told_file(folder, "lost.toml",

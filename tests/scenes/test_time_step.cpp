@@ -109,7 +109,7 @@ TEST_CASE("a sphere bounces by e^2 of its height at the default step, whatever i
     }
 }
 
-TEST_CASE("a written step that is longer than the run is told, one as long is not", "[scenes][time_step]") {
+TEST_CASE("a written step longer than the run is reported, one as long is not", "[scenes][time_step]") {
   for (const double step : {5.0, 5.1}) {
     const auto a = load_text(cube(1.0, 0.0), {fmt::format("run.time_step={}", step)});
     CHECK(a->steps == 1);

@@ -28,7 +28,7 @@ int view_of(const std::string& what) {
 
 }  // namespace
 
-TEST_CASE("a file that is no scene is told what view takes, without a word of TOML's grammar", "[scenes][view]") {
+TEST_CASE("for a file that is no scene, view says what it takes, without TOML's grammar", "[scenes][view]") {
   if (page_parts().three[0] == '\0') return;
   const TemporaryFolder folder;
   std::mt19937 random(4);

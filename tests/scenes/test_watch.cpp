@@ -106,7 +106,7 @@ TEST_CASE("the whole course stays in sight, however many rows there are", "[scen
   }
 }
 
-TEST_CASE("a summary that is cut is told by watch, after the values", "[scenes][watch]") {
+TEST_CASE("a summary that is cut is reported by watch, after the values", "[scenes][watch]") {
   const std::string whole = R"({"epafi": "1", "status": "completed", "steps": 3})";
   for (std::size_t kept = 0; kept < whole.size(); ++kept) {
     const TemporaryFolder folder;

@@ -5,9 +5,9 @@
 #pragma once
 #include "detection/narrow/gjk/epa.h"
 #include "detection/narrow/gjk/gjk.h"
-#include "detection/narrow/narrow_phase.h"
 #include "tests/support/pair_errors.h"
 #include "tests/support/stepped_rocks.h"
+#include "tests/support/united_contacts.h"
 
 namespace epafi::support {
 
@@ -200,12 +200,7 @@ class MeshSweep {
     add(shapes.add(rock.mesh), rock.of_mesh, 0.0);
     PairList list;
     list.pairs.push_back({0, 1});
-    list.generation = 1;
-    BatchNarrowPhase narrow(shapes, reach, false);
-    narrow.join_walls();
-    ContactSet out;
-    narrow.collide(world, list, out);
-    narrow.unite(world, out);
+    ContactSet out = testing::united_contacts(world, shapes, list, reach);
     for (std::size_t i = 0; i < out.size(); ++i) {
       out.normal[i] = frame_.orientation.conjugate() * out.normal[i];
       out.arm[i] = frame_.orientation.conjugate() * out.arm[i];

@@ -28,7 +28,8 @@ using namespace epafi;
 using Catch::Contains;
 namespace fs = std::filesystem;
 
-TEST_CASE("a folder of runs and tables is told by what it holds and who takes it", "[viz_export][run_folder]") {
+TEST_CASE("a folder of runs and tables is named by what it holds and which command takes it",
+          "[viz_export][run_folder]") {
   const TemporaryFolder folder;
   const std::string name = folder.path().string();
   CHECK_THAT(no_run_text(folder / "none", "view"), Contains("there is no folder"));
@@ -50,7 +51,7 @@ TEST_CASE("a folder of runs and tables is told by what it holds and who takes it
   CHECK_THAT(no_run_text(folder / "chart.csv", "view"), Contains("is a file"));
 }
 
-TEST_CASE("a folder that is no run is told by what it is", "[viz_export][run_folder]") {
+TEST_CASE("a folder that is no run is named for what it is", "[viz_export][run_folder]") {
   const TemporaryFolder folder;
   const std::string name = folder.path().string();
   CHECK_THAT(no_run_text(folder.path(), "view"), Contains("it is empty"));
@@ -197,7 +198,7 @@ TEST_CASE("garbled rows of measures are counted, with the line of the first", "[
   }
 }
 
-TEST_CASE("a run file cut at any place is told in plain words, with what still serves", "[viz_export][damaged]") {
+TEST_CASE("a run file cut at any place is reported in plain words, with what is left", "[viz_export][damaged]") {
   const TemporaryFolder folder;
   const fs::path path = folder / "run.h5";
   SmallScene scene(5);

@@ -118,7 +118,7 @@ TEST_CASE("numbers under a colour bar never run together and stay within it", "[
   CHECK(placed_ticks({{0, 10}, {0, 10}}, 260, 18).size() == 3);
 }
 
-TEST_CASE("bodies that stand so far apart that they are dots are told as such", "[viz_export][view]") {
+TEST_CASE("bodies so far apart that they are dots are reported as such", "[viz_export][view]") {
   std::mt19937 random(43);
   std::uniform_real_distribution<double> power(-6, 3);
   for (int round = 0; round < 12; ++round) {
@@ -182,7 +182,7 @@ TEST_CASE("the page's legend marks its ends, and names bodies that are dots", "[
   CHECK(b.complaints() == std::vector<std::string>{});
 }
 
-TEST_CASE("a field of [view] that is not there, or a camera, is told", "[viz_export][view]") {
+TEST_CASE("a field or camera of [view] that is not there is reported", "[viz_export][view]") {
   RunAbout about;
   about.view.field = "force";
   const auto bare = still_source("", about, frame_of({ball_at(0, Vec3::Zero())}));

@@ -240,7 +240,7 @@ TEST_CASE("digits of positions are those that the data have", "[viz_export][view
   }
 }
 
-TEST_CASE("there is no legend of what is not there, and a reversed range is told", "[viz_export][view][long]") {
+TEST_CASE("there is no legend of what is not there, and a reversed range is reported", "[viz_export][view][long]") {
   if (!has_page()) return;
   const TemporaryFolder folder;
   support::Browser b(900, 600);

@@ -12,7 +12,7 @@
 
 using namespace epafi;
 
-TEST_CASE("of files written at once all are tried and the first that fails is told of", "[viz_export][write]") {
+TEST_CASE("of files written at once all are tried, and the first failure is reported", "[viz_export][write]") {
   const support::KeepThreads keep;
   for (const int threads : {1, 2, 4}) {
     set_thread_count(threads);
