@@ -39,15 +39,14 @@ constexpr std::size_t bytes_of_ball = sizeof(BodyState) + 3 * sizeof(BodyBall) +
 /// In the loop over spheres.
 void plan_spheres(const Scene& scene, MemoryPlan& out) {
   const SphereNeeds needs = sphere_needs(smooth_setup(scene));
-  const bool rolls = needs.rolling;
-  if (rolls) out.body += sizeof(Lanes);  // late spins
+  if (needs.damps_slip()) out.body += sizeof(Lanes);  // late spins
   out.body += balls_of_clumps(scene) * bytes_of_ball;
   out.pair = sizeof(SpherePlaces) + sizeof(Slot) + (scene.cell ? sizeof(SphereImage) + sizeof(std::uint32_t) : 0);
   // of a bed's contacts a sixth lie across blocks and leave a record there
-  const std::size_t record = sizeof(SphereRecord) + sizeof(SpherePlace) + (rolls ? sizeof(Lanes) : 0);
+  const std::size_t record = sizeof(SphereRecord) + sizeof(SpherePlace) + (needs.rolling ? sizeof(Lanes) : 0);
   out.contact = (needs.remembers() ? sizeof(SphereSpring) : 0) + (needs.normal ? sizeof(double) : 0) +
-                (needs.bristles ? sizeof(PackedBristles) : 0) +
-                (rolls ? sizeof(SphereSpring) + sizeof(SphereLoads) : 0) + record / 6;
+                (needs.bristles ? sizeof(PackedBristles) : 0) + (needs.rolling ? sizeof(SphereSpring) : 0) +
+                (needs.damps_slip() ? sizeof(SphereLoads) : 0) + record / 6;
 }
 
 /// Beside the set: what the contact model makes and keeps of a contact.

@@ -2,13 +2,14 @@
 /// Between the halves world.velocity is that of the middle of the step; contact laws see velocities at its end
 /// through StepClock::velocity_lag, so damping is of second order too. Bounded below dt = 2/omega (case B02).
 #pragma once
+#include "engine/schemes/run_on_scheme.h"
 #include "engine/state/spin_bodies.h"
 #include "engine/step/pipeline.h"
 #include "engine/threads/parallel.h"
 
 namespace epafi {
 
-class VelocityVerlet final : public Scheme {
+class VelocityVerlet final : public Scheme, public RunOnScheme {
  public:
   const char* name() const override { return "velocity-verlet"; }
   double velocity_lag() const override { return 0.5; }
@@ -25,33 +26,34 @@ class VelocityVerlet final : public Scheme {
                     [&](std::size_t i, std::size_t end, std::size_t) { second_half(world, dt, i, end); });
   }
   void first_half(World& world, double dt, std::size_t begin, std::size_t end) override {
-    const bool turns = world.has_orientation(), uneven = turns && has_uneven(world);
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto s = static_cast<Slot>(i);
-      const bool spins = uneven && !world.is_isotropic(s);
-      if (spins)
-        push(world, s, 0.5 * dt);
-      else
-        kick(world, s, 0.5 * dt);
-      for (int k = 0; k < 3; ++k) world.position[s][k] += dt * world.velocity[s][k];
-      if (turns && !spins) world.rotate(s, dt);
-    }
-    if (uneven) spin_bodies(world, 0.5 * dt, dt, begin, end);
+    kick_and_drift(world, dt, 1, true, begin, end);
   }
   void second_half(World& world, double dt, std::size_t begin, std::size_t end) override {
-    const bool uneven = world.has_orientation() && has_uneven(world);
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto s = static_cast<Slot>(i);
-      if (uneven && !world.is_isotropic(s))
-        push(world, s, 0.5 * dt);
-      else
-        kick(world, s, 0.5 * dt);
-    }
-    if (uneven) spin_bodies(world, 0.5 * dt, 0.0, begin, end);
+    kick_and_drift(world, dt, 1, false, begin, end);
+  }
+  void run_on(World& world, double dt, std::size_t begin, std::size_t end) override {
+    kick_and_drift(world, dt, 2, true, begin, end);
   }
 
  private:
   static constexpr std::size_t range = 512;
+  /// As many half kicks by the forces of the world, one after the other, and the drift.
+  static void kick_and_drift(World& world, double dt, int kicks, bool drifts, std::size_t begin, std::size_t end) {
+    const bool turns = world.has_orientation(), uneven = turns && has_uneven(world);
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto s = static_cast<Slot>(i);
+      const bool spins = uneven && !world.is_isotropic(s);
+      for (int k = 0; k < kicks; ++k)
+        if (spins)
+          push(world, s, 0.5 * dt);
+        else
+          kick(world, s, 0.5 * dt);
+      if (!drifts) continue;
+      for (int k = 0; k < 3; ++k) world.position[s][k] += dt * world.velocity[s][k];
+      if (turns && !spins) world.rotate(s, dt);
+    }
+    if (uneven) spin_bodies(world, 0.5 * dt, kicks, drifts ? dt : 0.0, begin, end);
+  }
   static bool has_uneven(const World& world) { return world.columns().anisotropy && world.columns().free_turn; }
   /// World::acceleration and apply_angular_impulse with their common cases in place: three quarters of the time.
   [[gnu::always_inline]] static inline void kick(World& world, Slot s, double dt) {

@@ -128,7 +128,9 @@ struct SpinLanes {
 
 struct Spin {
   World& world;
-  double kick, turn;
+  double kick;
+  int kicks;
+  double turn;
   std::size_t begin, end;
 
   template <int n>
@@ -147,7 +149,7 @@ struct Spin {
 
  private:
   [[gnu::noinline]] void one(Slot s) const {
-    world.apply_angular_impulse(s, kick * world.torque[s]);
+    for (int k = 0; k < kicks; ++k) world.apply_angular_impulse(s, kick * world.torque[s]);
     if (turn != 0.0) world.rotate(s, turn);
   }
 
@@ -166,7 +168,7 @@ struct Spin {
       put(world.inverse_inertia[slots[l]].data(), l, lanes.inverse);
       put(world.torque[slots[l]].data(), l, torque);
     }
-    lanes.momentum = lanes.momentum + kick * torque;
+    for (int k = 0; k < kicks; ++k) lanes.momentum = lanes.momentum + kick * torque;
     if (turn != 0.0) lanes.turn(turn);
     const VectorsOf<V> w = lanes.velocity();
     for (int l = 0; l < n; ++l) {
@@ -200,8 +202,8 @@ struct Spin {
 
 }  // namespace
 
-void spin_bodies(World& world, double kick, double turn, std::size_t begin, std::size_t end) {
-  best_loop<Spin>()({world, kick, turn, begin, end});
+void spin_bodies(World& world, double kick, int kicks, double turn, std::size_t begin, std::size_t end) {
+  best_loop<Spin>()({world, kick, kicks, turn, begin, end});
 }
 
 }  // namespace epafi

@@ -11,7 +11,7 @@ Passes SmoothLaw::passes() const {
   out.needs = needs;
   out.locates = locates;
   if (needs.friction) out.tangential = needs.bristles ? bristle_pass() : coulomb_pass();
-  if (needs.rolling) out.rolling = rolling_pass();
+  if (needs.damps_slip()) out.rolling = rolling_pass();
   return out;
 }
 
@@ -42,7 +42,7 @@ SmoothLaw smooth_law(const SmoothSetup& setup) {
   with_law(TangentialLaws{}, parts.tangential,
            [&](auto t) { take_tangential<typename decltype(t)::type>(table, law); });
   with_law(RollingLaws{}, parts.rolling, [&](auto r) { take_rolling<typename decltype(r)::type>(table, law); });
-  law.damped = law.damped || law.needs.rolling || law.locates;
+  law.damped = law.damped || law.needs.damps_slip() || law.locates;
   return law;
 }
 

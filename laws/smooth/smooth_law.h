@@ -160,7 +160,7 @@ void take_tangential(const MaterialTable& table, SmoothLaw& law) {
     each_pair(table, [&](std::size_t i, const MaterialPair& pair) {
       const Parameters p = Law::parameters(pair);
       std::memcpy(&law.rows[i].tangential, &p, sizeof p);
-      if constexpr (WithDashpot<Law>) law.needs.rolling = law.needs.rolling || p.damping > 0.0;
+      if constexpr (WithDashpot<Law>) law.needs.dashpots = law.needs.dashpots || p.damping > 0.0;
     });
   }
 }
@@ -188,7 +188,7 @@ SmoothLaw smooth_law(const MaterialTable& table) {
   take_normal<Normal>(table, law);
   take_tangential<Tangential>(table, law);
   take_rolling<Rolling>(table, law);
-  law.damped = law.damped || law.needs.rolling;
+  law.damped = law.damped || law.needs.damps_slip();
   return law;
 }
 

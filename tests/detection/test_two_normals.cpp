@@ -1,11 +1,15 @@
+#include <cstring>
 #include <numbers>
 
 #include "detection/narrow/gjk/common_normal.h"
 #include "detection/narrow/gjk/epa.h"
 #include "detection/narrow/gjk/gjk.h"
+#include "detection/narrow/gjk/superquadric_pairs.h"
+#include "detection/narrow/gjk/two_normals.h"
 #include "detection/shapes/ellipsoid.h"
 #include "detection/shapes/sphere.h"
 #include "detection/shapes/superquadric.h"
+#include "engine/lanes/targets.h"
 #include "tests/support/catch.h"
 #include "tests/support/pair_contacts.h"
 #include "tests/support/random_geometry.h"
@@ -172,4 +176,41 @@ TEST_CASE("a direction is turned by the step to first order", "[detection][super
     CHECK(error(h, t) < 1e-3);
     CHECK(error(0.1 * h, t) < 0.2 * error(h, t) + 1e-6);
   }
+}
+
+TEST_CASE("pairs of superquadrics asked together have the bits of those asked one by one", "[detection][round]") {
+  const auto same = [](const Vec3& x, const Vec3& y) {
+    return std::memcmp(x.data(), y.data(), 3 * sizeof(double)) == 0;
+  };
+  for (const Target most : {Target::baseline, Target::avx2, Target::avx512}) {
+    limit_target(most);
+    Random random(317, 0);
+    int found = 0, beyond = 0, different = 0;
+    for (int round = 0; round < 60; ++round) {
+      std::vector<Superquadric> shapes;
+      std::vector<SuperquadricPair> pairs;
+      for (int k = 0; k < 4; ++k) shapes.push_back(random_superquadric(random, 2, round % 2 == 0 ? 20 : 5));
+      for (int k = 0; k < 40; ++k) {
+        const Superquadric &a = shapes[random.bits() % 2], &b = shapes[2 * (random.bits() % 2)];
+        const Met at = met_at(a, b, random, random.uniform(-0.1, 0.1));
+        const MinkowskiDifference d = difference(a, at.a, b, at.b);
+        pairs.push_back({&a, &b, d.rotation, d.offset, random.uniform(0, 1) < 0.3 ? infinity : 0.0});
+      }
+      std::vector<CommonNormal> together(pairs.size());
+      two_normals(pairs, together);
+      for (std::size_t k = 0; k < pairs.size(); ++k) {
+        const SuperquadricPair& p = pairs[k];
+        const CommonNormal alone = two_normals(RoundRef::to(*p.a), RoundRef::to(*p.b), p.rotation, p.offset, p.limit);
+        const CommonNormal& c = together[k];
+        found += c.status == CommonNormal::Status::found;
+        beyond += c.status == CommonNormal::Status::beyond;
+        different += !(c.status == alone.status && same(Vec3(c.gap, 0, 0), Vec3(alone.gap, 0, 0)) &&
+                       same(c.normal, alone.normal) && same(c.on_a, alone.on_a) && same(c.on_b, alone.on_b));
+      }
+    }
+    CHECK(different == 0);
+    CHECK(found > 800);
+    CHECK(beyond > 100);
+  }
+  limit_target(Target::avx512);
 }

@@ -12,14 +12,15 @@ namespace {
 
 /// Pairs whose bounding balls meet, by column. Numbers behind the last one are those of an earlier pair.
 struct Candidates {
-  static constexpr std::size_t room = 256, spare = 8;
-  using Column = std::array<double, room + spare>;
+  static constexpr std::size_t spare = 8;
+  using Column = std::array<double, CapsuleSieve::room + spare>;
   std::size_t count = 0;
-  std::array<std::uint32_t, room + spare> place;
-  alignas(64) Column x{}, y{}, z{};              ///< from the centre of A to that of B [m]
-  alignas(64) Column ax{}, ay{}, az{};           ///< axis of A
-  alignas(64) Column bi{}, bj{}, bk{}, bw{};     ///< orientation of B
-  alignas(64) Column half_a{}, half_b{}, far{};  ///< half lengths; sum of radii and the reach [m]
+  std::array<std::uint32_t, CapsuleSieve::room + spare> place;
+  alignas(64) Column x{}, y{}, z{};                    ///< from the centre of A to that of B [m]
+  alignas(64) Column ai{}, aj{}, ak{}, aw{};           ///< orientation of A
+  alignas(64) Column bi{}, bj{}, bk{}, bw{};           ///< of B
+  alignas(64) Column half_a{}, half_b{};               ///< half lengths [m]
+  alignas(64) Column radius_a{}, radius_b{}, reach{};  ///< [m]
 };
 
 template <class V>
@@ -29,104 +30,110 @@ EPAFI_LANES V column(const Candidates::Column& c, std::size_t k) {
   return out;
 }
 
+/// As std::clamp.
 template <class V>
 EPAFI_LANES V clamped(const V& x, const V& half) {
-  return max(V{} - half, min(half, x));
+  return select(x < -half, -half, select(half < x, half, x));
 }
 
-/// The nearest points of two segments (Ericson 2005, 5.1.9), as the closed form takes them. Nearly parallel axes are
-/// not told apart here.
-struct NearAxes {
+/// Contacts of capsules whose axes cross: the operations of collide_closed in their order.
+struct CrossingAxes {
   const Candidates& in;
-  std::vector<std::uint32_t>& out;
+  std::uint32_t first;
+  std::vector<NearCapsules>& out;
 
   template <int n>
   EPAFI_LANES void run() const {
+    for (std::size_t g = 0; g < in.count; g += n) several<n>(g);
+  }
+
+ private:
+  template <int n>
+  EPAFI_LANES void several(std::size_t g) const {
     using V = typename LanesOf<n>::Real;
-    constexpr double slack = 1.0 + 1e-6;  // of a squared distance that is known to 1e-10
-    std::uint32_t* to = out.data();
-    for (std::size_t g = 0; g < in.count; g += n) {
-      const VectorsOf<V> c{column<V>(in.x, g), column<V>(in.y, g), column<V>(in.z, g)};
-      const VectorsOf<V> u{column<V>(in.ax, g), column<V>(in.ay, g), column<V>(in.az, g)};
-      const V i = column<V>(in.bi, g), j = column<V>(in.bj, g), k = column<V>(in.bk, g), w = column<V>(in.bw, g);
-      const VectorsOf<V> v{2.0 * (i * k + w * j), 2.0 * (j * k - w * i), 1.0 - 2.0 * (i * i + j * j)};
-      const V half_a = column<V>(in.half_a, g), half_b = column<V>(in.half_b, g), far = column<V>(in.far, g);
-      const V cosine = u.dot(v), cu = c.dot(u), cv = c.dot(v), sine2 = 1.0 - cosine * cosine;
-      constexpr double parallel = 1e-5;
-      const V some = max(sine2, V{} + parallel);
-      const V first = clamped<V>((cu - cosine * cv) / some, half_a);
-      const V t = clamped<V>(first * cosine - cv, half_b);
-      const V s = clamped<V>(cu + t * cosine, half_a);
-      const VectorsOf<V> apart = c + t * v - s * u;
-      const V square = apart.dot(apart), limit = slack * (far * far);
-      for (int l = 0; l < n && g + static_cast<std::size_t>(l) < in.count; ++l) {
-        *to = in.place[g + static_cast<std::size_t>(l)];  // no branch: the next one overwrites what is not kept
-        to += square[l] <= limit[l] || sine2[l] <= parallel;
-      }
+    const VectorsOf<V> c{column<V>(in.x, g), column<V>(in.y, g), column<V>(in.z, g)};
+    const VectorsOf<V> u =
+        axis<V>({column<V>(in.ai, g), column<V>(in.aj, g), column<V>(in.ak, g)}, column<V>(in.aw, g));
+    const VectorsOf<V> v =
+        axis<V>({column<V>(in.bi, g), column<V>(in.bj, g), column<V>(in.bk, g)}, column<V>(in.bw, g));
+    const V half_a = column<V>(in.half_a, g), half_b = column<V>(in.half_b, g);
+    const V radius_a = column<V>(in.radius_a, g), radius_b = column<V>(in.radius_b, g);
+    const VectorsOf<V> across = u.cross(v);
+    const V cosine = u.dot(v), cu = c.dot(u), cv = c.dot(v), sine2 = across.dot(across);
+    const V s = clamped<V>((cu - cosine * cv) / sine2, half_a);
+    const V on_b = clamped<V>(s * cosine - cv, half_b), on_a = clamped<V>(cu + on_b * cosine, half_a);
+    const VectorsOf<V> p = on_a * u, d = (c + on_b * v) - p;
+    const V distance = sqrt(d.dot(d)), gap = distance - radius_a - radius_b;
+    const VectorsOf<V> normal{d.x / distance, d.y / distance, d.z / distance};
+    const VectorsOf<V> arm = p + (radius_a + 0.5 * gap) * normal;
+    const V radius = 1.0 / (1.0 / radius_a + 1.0 / radius_b);
+    const MaskOf<V> crosses = (sine2 > 1e-6) & (distance > 0.0), touches = gap < column<V>(in.reach, g);
+    for (int l = 0; l < n && g + static_cast<std::size_t>(l) < in.count; ++l) {
+      const std::uint32_t pair = first + in.place[g + static_cast<std::size_t>(l)];
+      if (crosses[l] == 0)
+        out.push_back({pair, false, {}});
+      else if (touches[l] != 0)
+        out.push_back(
+            {pair,
+             true,
+             {gap[l], Vec3(normal.x[l], normal.y[l], normal.z[l]), Vec3(arm.x[l], arm.y[l], arm.z[l]), radius[l], 0}});
     }
-    out.resize(static_cast<std::size_t>(to - out.data()));
+  }
+  /// The z axis as Eigen's quaternion turns it: not even a sign of 0 is another.
+  template <class V>
+  EPAFI_LANES static VectorsOf<V> axis(const VectorsOf<V>& q, const V& w) {
+    const V none{}, one = none + 1.0;
+    const VectorsOf<V> z{none, none, one}, cross = q.cross(z), twice = cross + cross;
+    return (z + w * twice) + q.cross(twice);
   }
 };
 
-Vec3 axis_of(const Quat& q) {
-  return {2.0 * (q.x() * q.z() + q.w() * q.y()), 2.0 * (q.y() * q.z() - q.w() * q.x()),
-          1.0 - 2.0 * (q.x() * q.x() + q.y() * q.y())};
-}
-
 /// Of a run of at most as many pairs as there is room for.
-void collect(const World& world, std::span<const Capsule> shapes, std::span<const Pair> pairs, double reach,
-             Candidates& out) {
+void collect(const World& world, std::span<const Capsule> shapes, std::span<const Pair> pairs,
+             std::span<const double> reach, Candidates& out) {
   out.count = 0;
-  Slot last = no_slot;
   const Quat authored(1, 0, 0, 0);
   const bool turned = world.has_orientation();
   const auto orientation = [&](Slot s) -> const Quat& { return turned ? world.orientation[s] : authored; };
-  Vec3 axis = Vec3::Zero();
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const Pair& p = pairs[k];
-    if (p.a != last) axis = axis_of(orientation(p.a));
-    last = p.a;
     const Capsule& a = shapes[ShapeRef{world.shape[p.a]}.index()];
     const Capsule& b = shapes[ShapeRef{world.shape[p.b]}.index()];
-    Vec3 c = world.position[p.b] - world.position[p.a];
-    if (world.cell) c += world.cell->shift(p.image);
-    const Quat& q = orientation(p.b);
-    const std::size_t at = out.count;
+    Vec3 of_b = world.position[p.b];
+    if (world.cell) of_b += world.cell->shift(p.image);
+    const Vec3 c = of_b - world.position[p.a];
+    const double half_a = a.half_length(), half_b = b.half_length();
+    const double far = half_a + half_b + a.radius + b.radius + reach[k];
+    if (c.squaredNorm() > 1.000001 * far * far) continue;
+    const Quat &q = orientation(p.a), &r = orientation(p.b);
+    const std::size_t at = out.count++;
     out.place[at] = static_cast<std::uint32_t>(k);
     out.x[at] = c.x();
     out.y[at] = c.y();
     out.z[at] = c.z();
-    out.ax[at] = axis.x();
-    out.ay[at] = axis.y();
-    out.az[at] = axis.z();
-    out.bi[at] = q.x();
-    out.bj[at] = q.y();
-    out.bk[at] = q.z();
-    out.bw[at] = q.w();
-    out.half_a[at] = a.half_length();
-    out.half_b[at] = b.half_length();
-    out.far[at] = a.radius + b.radius + reach;
-    const double balls = out.half_a[at] + out.half_b[at] + out.far[at];
-    out.count += c.squaredNorm() <= 1.000001 * balls * balls;
+    out.ai[at] = q.x();
+    out.aj[at] = q.y();
+    out.ak[at] = q.z();
+    out.aw[at] = q.w();
+    out.bi[at] = r.x();
+    out.bj[at] = r.y();
+    out.bk[at] = r.z();
+    out.bw[at] = r.w();
+    out.half_a[at] = half_a;
+    out.half_b[at] = half_b;
+    out.radius_a[at] = a.radius;
+    out.radius_b[at] = b.radius;
+    out.reach[at] = reach[k];
   }
 }
 
 }  // namespace
 
-std::span<const std::uint32_t> near_capsules(const World& world, std::span<const Capsule> shapes,
-                                             std::span<const Pair> pairs, double reach) {
+void CapsuleSieve::take(const World& world, std::span<const Capsule> shapes, std::span<const Pair> pairs,
+                        std::span<const double> reach, std::uint32_t first) {
   static thread_local Candidates candidates;
-  static thread_local std::vector<std::uint32_t> near, all;
-  const auto sieve = best_loop<NearAxes>();
-  all.clear();
-  for (std::size_t first = 0; first < pairs.size(); first += Candidates::room) {
-    const std::size_t count = std::min(Candidates::room, pairs.size() - first);
-    collect(world, shapes, pairs.subspan(first, count), reach, candidates);
-    near.resize(candidates.count + 1);
-    sieve({candidates, near});
-    for (const std::uint32_t k : near) all.push_back(static_cast<std::uint32_t>(first) + k);
-  }
-  return all;
+  collect(world, shapes, pairs, reach, candidates);
+  best_loop<CrossingAxes>()({candidates, first, near});
 }
 
 }  // namespace epafi

@@ -1,6 +1,6 @@
-/// @file capsule_sieve.h  Which pairs of capsules of a run may touch: two, four or eight at a time, by the distance of
-/// their axes. A list of elongated bodies names many pairs that are apart (of 2000 settled capsules five of six); the
-/// closed form, one pair at a time, is evaluated for the others only.
+/// @file capsule_sieve.h  Pairs of capsules of a run, two, four or eight at a time. A list of elongated bodies names
+/// many pairs that are apart (of 2000 settled capsules five of six); of those whose axes cross, the contact is found
+/// here with the bits of the closed form, and the closed form itself is left with axes that are nearly parallel.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -11,9 +11,41 @@
 
 namespace epafi {
 
-/// Places in `pairs` of those whose gap may be below `reach` [m], ascending: all for which collide_closed gives
-/// contacts, and hardly any other. It lasts until the next call on the same thread.
-std::span<const std::uint32_t> near_capsules(const World& world, std::span<const Capsule> shapes,
-                                             std::span<const Pair> pairs, double reach);
+/// A pair that touches, or may.
+struct NearCapsules {
+  std::uint32_t pair;  ///< its place in the run
+  bool is_found;       ///< `point` is its contact; else collide_closed is to be asked
+  ContactPoint point;
+};
+
+/// In the order of `pairs`. reach(pair): gaps below it are contacts [m], as collide_closed is asked. The result lasts
+/// until the next call on the same thread.
+template <class Reach>
+std::span<const NearCapsules> near_capsules(const World& world, std::span<const Capsule> shapes,
+                                            std::span<const Pair> pairs, const Reach& reach);
+
+/// The same for a run that is not too long; reach: by pair.
+class CapsuleSieve {
+ public:
+  static constexpr std::size_t room = 256;
+  void take(const World& world, std::span<const Capsule> shapes, std::span<const Pair> pairs,
+            std::span<const double> reach, std::uint32_t first);
+  std::vector<NearCapsules> near;
+};
+
+template <class Reach>
+std::span<const NearCapsules> near_capsules(const World& world, std::span<const Capsule> shapes,
+                                            std::span<const Pair> pairs, const Reach& reach) {
+  static thread_local CapsuleSieve sieve;
+  static thread_local std::vector<double> reaches;
+  sieve.near.clear();
+  for (std::size_t first = 0; first < pairs.size(); first += CapsuleSieve::room) {
+    const auto some = pairs.subspan(first, std::min(CapsuleSieve::room, pairs.size() - first));
+    reaches.clear();
+    for (const Pair& p : some) reaches.push_back(reach(p));
+    sieve.take(world, shapes, some, reaches, static_cast<std::uint32_t>(first));
+  }
+  return sieve.near;
+}
 
 }  // namespace epafi

@@ -61,16 +61,23 @@ CommonNormal quick_answer(const CorePair& cores, const MinkowskiDifference& diff
   return {};
 }
 
+/// A pair that touches has no axis that keeps it apart: none is tried in the next step.
+bool is_near(const CoreContact& c, const PairQuery& q) {
+  const bool near = c.gap < q.reach;
+  if (near && q.cache) q.cache->axis.setZero();
+  return near;
+}
+
 /// False where they are farther apart than the reach.
 bool find_nearest(const CorePair& cores, const MinkowskiDifference& difference, const RoundedPair& r,
-                  const PairQuery& q, ContactSink& sink, CoreContact& out) {
-  const double limit = q.reach + r.sweep_a + r.sweep_b;
+                  const PairQuery& q, ContactSink& sink, CoreContact& out, const CommonNormal* known = nullptr) {
+  const double limit = quick_limit(r, q);
   const double size = difference.size() + std::max(r.sweep_a, r.sweep_b);
-  const CommonNormal c = quick_answer(cores, difference, limit);
+  const CommonNormal c = known ? *known : quick_answer(cores, difference, limit);
   if (c.status != CommonNormal::Status::uncertain) {
     remember(q, c.normal);
     out = rounded_contact(c.gap, c.normal, c.on_a, c.on_b, r);
-    return out.gap < q.reach;
+    return is_near(out, q);
   }
   const GjkResult g = gjk(difference, {limit + 1e-12 * size, 1e-14, Vec3::Zero()});
   remember(q, g.normal);
@@ -88,7 +95,7 @@ bool find_nearest(const CorePair& cores, const MinkowskiDifference& difference, 
   }
   if (uncertainty > certain * size) sink.mark_degenerate();
   out = rounded_contact(core, n, on_a, on_b, r);
-  return out.gap < q.reach;
+  return is_near(out, q);
 }
 
 double smaller(const CorePair& cores, const RoundedPair& r) {
@@ -105,10 +112,10 @@ void collide_cores(const CorePair& cores, const RoundedPair& r, const PairQuery&
 }
 
 void collide_round(const CorePair& cores, const RoundRef& a, const RoundRef& b, const RoundedPair& r,
-                   const PairQuery& q, ContactSink& sink) {
+                   const PairQuery& q, ContactSink& sink, const CommonNormal* known) {
   const MinkowskiDifference difference(cores.a, cores.b, q.a, q.b);
   CoreContact c;
-  if (!find_nearest(cores, difference, r, q, sink, c)) return;
+  if (!find_nearest(cores, difference, r, q, sink, c, known)) return;
   const double radius = q.curvature ? hertz_radius(a, r.sweep_a, b, r.sweep_b, difference.rotation, c.normal) : 0.0;
   add_core_contact(c, radius, q, sink);
 }

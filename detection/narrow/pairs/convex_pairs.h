@@ -84,9 +84,11 @@ struct CorePair {
 /// One point: the quick distance; where it is not certain, GJK while the cores are apart and EPA otherwise.
 void collide_cores(const CorePair& cores, const RoundedPair& rounded, const PairQuery& q, ContactSink& sink);
 
-/// The same where both are round, with the effective radius of their curvatures.
+/// The same where both are round, with the effective radius of their curvatures. known: their quick distance within
+/// quick_limit(), if it has been found already.
 void collide_round(const CorePair& cores, const RoundRef& a, const RoundRef& b, const RoundedPair& rounded,
-                   const PairQuery& q, ContactSink& sink);
+                   const PairQuery& q, ContactSink& sink, const CommonNormal* known = nullptr);
+inline double quick_limit(const RoundedPair& r, const PairQuery& q) { return q.reach + r.sweep_a + r.sweep_b; }
 
 /// The same where one is a polyhedron and the other has flat sides: up to 4 points. `sides`: of the core, as in
 /// CoreAndPolyhedron.

@@ -14,6 +14,7 @@
 #include "detection/narrow/pairs/convex_pairs.h"
 #include "detection/narrow/pairs/pair_methods.h"
 #include "detection/narrow/pairs/part_pairs.h"
+#include "detection/narrow/pairs/superquadric_batch.h"
 #include "detection/narrow/polyhedra/resting_patch.h"
 #include "detection/shape_store.h"
 #include "engine/lanes/prefetch.h"
@@ -228,7 +229,24 @@ void run_of(const BatchInput& in, std::span<const Pair> pairs, ContactSink& sink
     sink.end();
   };
   if constexpr (std::same_as<A, Capsule> && std::same_as<B, Capsule>) {
-    for (const std::uint32_t k : near_capsules(in.world, as, pairs, in.reach)) ask(k);
+    for (const NearCapsules& c : near_capsules(in.world, as, pairs, [&](const Pair& p) { return in.reach_of(p); })) {
+      if (!c.is_found) {
+        ask(c.pair);
+        continue;
+      }
+      const Pair& p = pairs[c.pair];
+      sink.begin(p.a, p.b, p.image >> 8);
+      sink.add(c.point);
+    }
+  } else if constexpr (std::same_as<A, Superquadric> && std::same_as<B, Superquadric>) {
+    static thread_local SuperquadricBatch batch;
+    const auto shape = [&](Slot s) -> const Superquadric& { return as[ShapeRef{in.world.shape[s]}.index()]; };
+    for (std::size_t first = 0; first < pairs.size(); first += SuperquadricBatch::room) {
+      const std::size_t end = std::min(pairs.size(), first + SuperquadricBatch::room);
+      for (std::size_t k = first; k < end; ++k)
+        batch.ask(k, shape(pairs[k].a), shape(pairs[k].b), query_of(in, pairs[k], k));
+      batch.answer([&](std::size_t k) { sink.begin(pairs[k].a, pairs[k].b, pairs[k].image >> 8); }, sink);
+    }
   } else {
     for (std::size_t k = 0; k < pairs.size(); ++k) ask(k);
   }

@@ -4,6 +4,7 @@
 
 #include "engine/threads/order_free_sum.h"
 #include "engine/threads/parallel.h"
+#include "laws/smooth/fused/place_balls.h"
 
 namespace epafi {
 
@@ -38,35 +39,17 @@ void BallBodies::each_in(std::size_t begin, std::size_t end, const F& f) const {
       f(*w, all == &free_);
 }
 
-[[gnu::flatten]] void BallBodies::place_one(World& world, const Whole& whole, double lag, Lanes* late_spins) {
+void BallBodies::place_one(World& world, const Whole& whole, double lag, Lanes* late_spins) {
   const Slot s = whole.body;
-  const BodyState& body = world.states()[s];
-  BodyState* const states = world.states().data() - world.states_before();
-  const Mat3 turn = world.has_orientation() ? world.orientation[s].toRotationMatrix() : Mat3(Mat3::Identity());
-  const Vec3 spin = world.rotates() ? Vec3(world.angular_velocity[s]) : Vec3(Vec3::Zero());
-  Vec3 late = spin;
-  double inverse_moment = 0.0;  // the harmonic mean of the moments
-  if (world.rotates() && world.is_movable(s)) {
-    const Vec3 inverse = world.inverse_inertia_of(s);
-    if (lag != 0.0) late += turn * inverse.cwiseProduct(turn.transpose() * (lag * world.torque[s]));
-    inverse_moment = inverse.sum() / 3.0;
-  }
-  const Vec3 rate = world.cell ? world.cell->strain_rate : Vec3(Vec3::Zero());
-  const auto xyz = [](const Lanes& x) { return Vec3(x[0], x[1], x[2]); };
-  const auto put = [](Lanes& to, const Vec3& x, double fourth) { to = Lanes{x.x(), x.y(), x.z(), fourth}; };
-  const Vec3 position = xyz(body.position), velocity = xyz(body.velocity), predicted = xyz(body.predicted);
-  for (std::uint32_t k = whole.first; k < whole.first + whole.count; ++k) {
-    const BodyBall& ball = balls_[k];
-    const Vec3 offset = turn * ball.centre,
-               flow = rate.cwiseProduct(offset);  // the cell carries the body, not its balls
-    offset_[k] = offset;
-    BodyState& state = states[k];
-    put(state.position, position + offset, ball.radius);
-    put(state.velocity, velocity + (spin.cross(offset) - flow), body.velocity[3]);
-    put(state.spin, spin, ball.radius);
-    put(state.predicted, predicted + (late.cross(offset) - flow), inverse_moment);
-    if (late_spins != nullptr) put(late_spins[k], late, 0.0);
-  }
+  const bool rotates = world.rotates(), gives = rotates && world.is_movable(s);
+  const Vec3 none = Vec3::Zero();
+  place_balls({world.states()[s], world.has_orientation() ? &world.orientation[s] : nullptr,
+               rotates ? Vec3(world.angular_velocity[s]) : none, gives ? world.inverse_inertia_of(s) : none,
+               gives && lag != 0.0,
+               gives && lag != 0.0 ? Vec3(lag * world.torque[s]) : none, world.cell ? world.cell->strain_rate : none,
+               whole.count, balls_.data() + whole.first, offset_.data() + whole.first,
+               world.states().data() - world.states_before() + whole.first,
+               late_spins != nullptr ? late_spins + whole.first : nullptr});
 }
 
 void BallBodies::place(World& world, double lag, Lanes* late_spins, std::size_t begin, std::size_t end) {
@@ -79,21 +62,10 @@ void BallBodies::place_all(World& world, double lag, Lanes* late_spins) {
   placed_ = true;
 }
 
-[[gnu::flatten]] void BallBodies::collect(const World& world, SphereSum* sums, Lanes* moments, std::size_t begin,
-                                          std::size_t end) {
-  for (std::size_t k = begin; k < end; ++k) {
-    SphereSum& sum = sums[k - begin];
-    const Vec3 force(sum.first[0], sum.first[1], sum.first[2]);
-    Vec3 torque = balls_[k].radius * Vec3(sum.first[3], sum.second[0], sum.second[1]);
-    sum = SphereSum{};
-    if (moments != nullptr) {
-      Lanes& moment = moments[k - begin];
-      torque += Vec3(moment[0], moment[1], moment[2]);
-      moment = Lanes{};
-    }
-    if (world.rotates()) torque += offset_[k].cross(force);
-    load_[k] = {force, torque};
-  }
+void BallBodies::collect(const World& world, SphereSum* sums, Lanes* moments, std::size_t begin, std::size_t end) {
+  static_assert(sizeof(Load) == 6 * sizeof(double));
+  collect_balls({end - begin, balls_.data() + begin, world.rotates() ? offset_.data() + begin : nullptr, sums, moments,
+                 load_[begin].force.data()});
 }
 
 void BallBodies::give(World& world, std::uint8_t* touched, std::size_t begin, std::size_t end) {

@@ -277,7 +277,6 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     arrays.material = own_ < law_.materials ? nullptr : material_.empty() ? world.material.data() : material_.data();
     arrays.materials = law_.materials;
     arrays.own = own_;
-    arrays.resists = law_.rolls;
     arrays.late_spins = blocks_.late_spins();
     arrays.offsets = blocks_.balls().offsets();
     arrays.balls = blocks_.balls().size();
@@ -400,7 +399,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   SphereLoad load_of(const World& world, const SphereContact& c, const Vec3& normal) const {
     SphereLoad load{-normal_force(world, c) * normal, Vec3::Zero()};
     const SphereSprings& springs = blocks_.blocks()[c.block].springs;
-    if (law_.needs.rolling) {
+    if (law_.needs.damps_slip()) {
       load.force += xyz(springs.loads(c.rank).friction);
       load.moment = xyz(springs.loads(c.rank).moment);
     } else if (law_.needs.friction)

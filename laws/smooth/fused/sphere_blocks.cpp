@@ -108,7 +108,7 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   const bool grown = laid_out_ && world.size() > laid_bodies_;
   bodies_ = world.size();
   const std::size_t count = ball_blocks() + blocks_of(bodies_);
-  late_spins_.resize(needs_.rolling ? balls_.size() + bodies_ : 0);
+  late_spins_.resize(needs_.damps_slip() ? balls_.size() + bodies_ : 0);
   pairs_ = pairs.size();
   if (!laid_out_) {
     name_places();
@@ -164,7 +164,7 @@ void SphereBlocks::welcome(const World& world) {
   bodies_ = world.size();
   plain_.resize((bodies_ + 3) / 4);
   std::fill(plain_.begin() + static_cast<std::ptrdiff_t>(laid_bodies_ / 4), plain_.end(), std::uint8_t{0});
-  late_spins_.resize(needs_.rolling ? balls_.size() + bodies_ : 0);
+  late_spins_.resize(needs_.damps_slip() ? balls_.size() + bodies_ : 0);
 }
 
 void SphereBlocks::set_constants(World& world, std::span<const double> radius, std::size_t first) {

@@ -330,8 +330,9 @@ struct SphereSweep {
                            springs.bristles() + (with.dt > 0.0 ? at.write : 0)});
       }
       if (passes.rolling != nullptr)
-        passes.rolling({call, t.gather(springs.rolling(), row, gathered), springs.rolling() + at.write, passes.type,
-                        &block, &with, at, wall, !wall && range.across, periodic});
+        passes.rolling({call, passes.needs.rolling ? t.gather(springs.rolling(), row, gathered) : nullptr,
+                        springs.rolling() + (passes.needs.rolling ? at.write : 0), passes.type, &block, &with, at, wall,
+                        !wall && range.across, periodic});
     }
   }
 

@@ -16,7 +16,7 @@ struct alignas(32) SphereSpring {
   Lanes load;  ///< x y z on A [N] or [N m], 1/stiffness [m/N] or [rad/(N m)]; 0: not loaded
 };
 
-/// With dashpots beside springs, what a contact feels now is not what it remembers.
+/// With dashpots beside springs, what a contact feels now is not what it remembers. Written where somebody may ask.
 struct alignas(32) SphereLoads {
   Lanes friction, moment;  ///< x y z on A [N], [N m]; unused
 };
@@ -24,10 +24,13 @@ struct alignas(32) SphereLoads {
 /// What the parts of a law need.
 struct SphereNeeds {
   bool friction = false;
-  bool rolling = false;   ///< resistance to rolling, or dashpots beside the friction springs
+  bool dashpots = false;  ///< beside the friction springs
+  bool rolling = false;   ///< resistance to rolling, with springs and moments of its own
   bool normal = false;    ///< the normal law remembers a number
   bool bristles = false;  ///< friction is a row of bristles
   bool remembers() const { return friction || normal; }
+  /// Spins at the time of the detection are read, and loads differ from those of the springs.
+  bool damps_slip() const { return dashpots || rolling; }
 };
 
 class SphereSprings {
@@ -75,10 +78,8 @@ class SphereSprings {
   template <class F>
   void each_column(const F& f) {
     f(friction_);
-    if (needs_.rolling) {
-      f(rolling_);
-      f(loads_);
-    }
+    if (needs_.rolling) f(rolling_);
+    if (needs_.damps_slip()) f(loads_);
     if (needs_.normal) f(normal_);
     if (needs_.bristles) f(bristles_);
   }

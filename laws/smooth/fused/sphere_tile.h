@@ -24,8 +24,7 @@ struct SphereArrays {
   double reach = 0.0;                   ///< contacts hold so far beyond touch [m]
   Lanes cell_size{}, strain_rate{};     ///< of a periodic cell [m], [1/s]; fourth 0
   SpherePlace nowhere{};                ///< of a sum that is never read: for lanes after the last contact
-  bool resists = false;  ///< some pair of materials has friction against rolling; else dashpots alone ask for `rolling`
-  // with rolling: spins by place, then as sums
+  // with dashpots or rolling: spins by place, then, with rolling, as sums
   const Lanes* late_spins = nullptr;
   std::uintptr_t moments = 0;
   const Vec3* offsets = nullptr;  ///< by place of balls, from the centres of their bodies [m]; null: there are none
@@ -40,6 +39,8 @@ struct SphereArrays {
     return *reinterpret_cast<const BodyState*>(reinterpret_cast<const char*>(states) +
                                                sizeof(BodyState) / SpherePlace::unit * std::size_t{p.offset});
   }
+  /// Contacts are shown after this step.
+  bool tells_loads() const { return tells_energy || owner != nullptr; }
   EPAFI_LANES SphereSum& sum(SpherePlace p) const {
     return *reinterpret_cast<SphereSum*>(sums + p.offset);  // NOLINT: an address
   }

@@ -104,7 +104,7 @@ EPAFI_LANES void find_rolling(const SphereTile<n>& t, SphereRolling<n>& r, std::
   const VectorsOf<V> turning = t.group[g].lever * (a.radius * a.late_spin + b.radius * b.late_spin);
   r.slip[g] = in_plane(velocity, normal) - turning.cross(normal);
   r.slip_mobility[g] = a.slip_mobility + b.slip_mobility;
-  if (!with.resists) return;
+  if (!with.passes->needs.rolling) return;
   r.spin[g] = in_plane(b.late_spin - a.late_spin, normal);
   r.turning[g] = in_plane(b.spin - a.spin, normal);
   r.inertia[g] = 1.0 / (a.rolling_mobility + b.rolling_mobility);
@@ -119,25 +119,31 @@ EPAFI_LANES void add_moments(const SphereTile<n>& t, const SphereRolling<n>& r, 
   SphereBlocks::Block& block = *call.block;
   const SphereSprings::Places at = call.at;
   using V = typename LanesOf<n>::Real;
-  const VectorsOf<V>&moment = r.moment[g], &friction = r.friction[g];
-  RowOf<n> rows[n], pulls[n];
+  const VectorsOf<V>& moment = r.moment[g];
+  RowOf<n> rows[n];
   write_rows(moment.x, moment.y, moment.z, V{}, rows);
-  write_rows(friction.x, friction.y, friction.z, V{}, pulls);
   const SpherePlaces* bodies = t.bodies + g * n;
-  SphereLoads* const loads = block.springs.loads();
   for (std::size_t l = 0; l < n && g * n + l < t.count; ++l) {
-    if (with.resists) {
-      Lanes& a = with.moment(bodies[l].a);
-      store<n>(a, row<n>(a) + rows[l]);
-    }
+    Lanes& a = with.moment(bodies[l].a);
+    store<n>(a, row<n>(a) + rows[l]);
     if (call.across) store<n>(block.record_moments[at.record + g * n + l], -rows[l]);
-    if (with.resists && !call.wall && !call.across) {
-      Lanes& b = with.moment(bodies[l].b);
-      store<n>(b, row<n>(b) - rows[l]);
-    }
-    SphereLoads& now = loads[with.dt > 0.0 ? at.write + g * n + l : t.spring[g * n + l]];
-    store<n>(now.friction, pulls[l]);
-    store<n>(now.moment, rows[l]);
+    if (call.wall || call.across) continue;
+    Lanes& b = with.moment(bodies[l].b);
+    store<n>(b, row<n>(b) - rows[l]);
+  }
+}
+
+/// What the contacts of a tile feel, for those who look at them.
+template <int n>
+[[gnu::noinline]] void tell_loads(const SphereTile<n>& t, const SphereRolling<n>& r, const RollingCall& call) {
+  SphereLoads* const loads = call.block->springs.loads();
+  for (std::size_t k = 0; k < t.count; ++k) {
+    const auto row_of = [at = k / n, l = k % n](const auto* x) {
+      return Lanes{x[at].x[l], x[at].y[l], x[at].z[l], 0.0};
+    };
+    SphereLoads& now = loads[call.dt > 0.0 ? call.at.write + k : t.spring[k]];
+    now.friction = row_of(r.friction);
+    now.moment = call.arrays->passes->needs.rolling ? row_of(r.moment) : Lanes{};
   }
 }
 
@@ -153,23 +159,21 @@ struct RollingPass {
     each_group<n>(t, call, &PairRow::tangential, [&](std::size_t g, const V(&p)[PairRow::most]) EPAFI_INLINED {
       damp<n>(t, r, g, parameters_from<CoulombSpring::ParametersOf<V>>(p).damping);
     });
-    if (call.arrays->resists) {
+    if (call.arrays->passes->needs.rolling) {
       each_group<n>(t, call, &PairRow::rolling, [&](std::size_t g, const V(&p)[PairRow::most]) EPAFI_INLINED {
         prepare<n>(t, r, g, {call.type, p[0], p[1]});
         pull<n>(t, g, call.before, call.dt);
       });
       finish_pull<n>(t, call.dt);
       for (std::size_t g = 0; g < t.groups; ++g) finish<n>(t, r, g);
+      for (std::size_t g = 0; g < t.groups; ++g) add_moments<n>(t, r, g, call);
     } else {
-      for (std::size_t g = 0; g < t.groups; ++g) roll_freely<n>(t, r, g);
-      if (call.dt > 0.0) std::fill_n(call.now, t.groups * n, SphereSpring{{0.0, 0.0, 0.0, no_stiffness}});
+      for (std::size_t g = 0; g < t.groups; ++g) t.group[g].load = r.friction[g];
     }
-    for (std::size_t g = 0; g < t.groups; ++g) add_moments<n>(t, r, g, call);
+    if (call.arrays->tells_loads()) tell_loads<n>(t, r, call);
   }
 
  private:
-  static constexpr double no_stiffness = 1e100;  ///< what scale_springs remembers of it [rad/(N m)]
-
   /// The friction spring pulls with t.load; it and its dashpot slide together.
   template <int n, class V>
   EPAFI_LANES void damp(SphereTile<n>& t, SphereRolling<n>& r, std::size_t g, const V& damping) const {
@@ -192,12 +196,6 @@ struct RollingPass {
     c.stiffness = AnyRolling::stiffness(p, step);
     c.limit = AnyRolling::limit(p, step);
     c.slip = r.turning[g];
-  }
-  /// What the three functions around this come to without friction against rolling: a third of the pass.
-  template <int n>
-  EPAFI_LANES void roll_freely(SphereTile<n>& t, SphereRolling<n>& r, std::size_t g) const {
-    r.moment[g] = VectorsOf<typename LanesOf<n>::Real>{};
-    t.group[g].load = r.friction[g];
   }
   template <int n>
   EPAFI_LANES void finish(SphereTile<n>& t, SphereRolling<n>& r, std::size_t g) const {
