@@ -49,7 +49,9 @@ TriangleMesh TriangleMesh::from_surface(TriangleSurface surface, double precisio
     mesh.boxes_.push_back(box);
   }
   mesh.find_neighbours();
+  mesh.around.assign(n, {none, 0});
   mesh.find_notches();
+  mesh.find_closed();
   std::vector<std::uint32_t> order(n);
   std::iota(order.begin(), order.end(), 0u);
   if (n > 0) mesh.build(order, 0, n);
@@ -89,7 +91,6 @@ void TriangleMesh::find_notches() {
     }
   const auto key = [](const Wedge& w) { return std::tuple(w.face, w.vertex, w.triangle); };
   std::sort(wedges.begin(), wedges.end(), [&](const Wedge& a, const Wedge& b) { return key(a) < key(b); });
-  notches.assign(triangles.size(), 0);
   for (std::size_t begin = 0, end = 0; begin < wedges.size(); begin = end) {
     double angle = 0.0;
     bool at_rim = false;
@@ -102,7 +103,26 @@ void TriangleMesh::find_notches() {
     }
     if (!at_rim || !(angle > half_turn + straight)) continue;
     for (std::size_t k = begin; k < end; ++k)
-      notches[wedges[k].triangle] |= static_cast<std::uint8_t>(1u << wedges[k].side);
+      around[wedges[k].triangle].notches |= static_cast<std::uint8_t>(1u << wedges[k].side);
+  }
+}
+
+void TriangleMesh::find_closed() {
+  std::vector<std::uint32_t> part;
+  std::vector<bool> seen(triangles.size());
+  for (std::uint32_t first = 0; first < triangles.size(); ++first) {
+    if (seen[first]) continue;
+    part.assign(1, first);
+    seen[first] = true;
+    bool is_open = false;
+    for (std::size_t i = 0; i < part.size(); ++i)
+      for (const std::uint32_t next : neighbours[part[i]]) {
+        is_open = is_open || next == none;
+        if (next == none || seen[next]) continue;
+        seen[next] = true;
+        part.push_back(next);
+      }
+    for (const std::uint32_t t : part) around[t].closed = is_open ? none : first;
   }
 }
 

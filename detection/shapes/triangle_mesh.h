@@ -33,9 +33,13 @@ struct TriangleMesh {
   std::vector<std::array<std::uint32_t, 3>> neighbours;  ///< triangle behind side k, or none
   std::vector<std::array<EdgeKind, 3>> edge_kinds;       ///< of side k
 
-  std::vector<std::uint32_t> face;    ///< lowest triangle of the plane face a triangle is in
-  std::vector<std::uint8_t> notches;  ///< bit k: at corner k the outline of the face turns inwards
-  bool bends_gently = false;          ///< some edge between two faces bends by less than a degree
+  std::vector<std::uint32_t> face;  ///< lowest triangle of the plane face a triangle is in
+  struct Around {
+    std::uint32_t closed;  ///< lowest triangle of the connected surface it is in; none: that has a rim
+    std::uint8_t notches;  ///< bit k: at corner k the outline of the face turns inwards
+  };
+  std::vector<Around> around;  ///< of each triangle
+  bool bends_gently = false;   ///< some edge between two faces bends by less than a degree
   JoinReport joined;
 
   /// The surface need not be closed. precision: of its coordinates (surface_join.h) [m].
@@ -91,6 +95,7 @@ struct TriangleMesh {
   };
   void find_neighbours();
   void find_notches();
+  void find_closed();
   EdgeKind kind_of(const EdgeUse& p, const EdgeUse& q) const;
   std::uint32_t build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end);
 

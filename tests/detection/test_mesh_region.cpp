@@ -60,7 +60,7 @@ TEST_CASE("a convex region holds the triangle that it was gathered around", "[de
     const ConvexRef core = ConvexRef::to(box);
     MeshRegion region;
     for (const std::uint32_t t : all) {
-      notched += mesh.notches[t] != 0;
+      notched += mesh.around[t].notches != 0;
       const Pose pose{mesh.corners(t)[0] + 0.02 * mesh.normals[t], random_turn(random)};
       const PlacedCore body{core, 0.0, pose, pose.orientation.toRotationMatrix(), 0.0, 1e-6 * core.radius, &mesh};
       gather_region(body, all, t, random.bits() % 2 == 0, region);

@@ -172,31 +172,26 @@ class ConvexOnMesh {
 
   void collide() {
     if (!find_near()) return;
+    const std::uint32_t first = triangles_.front();
     if (all_plain(mesh_, triangles_))
-      return on_face(triangles_.front(), normal_of(triangles_.front()), {}, Face::plain);
-    spoken_.assign(triangles_.size(), 0);
+      return on_face(first, normal_towards(mesh_, first, b_.pose.position), {}, Face::plain);
+    find_sides(mesh_, triangles_, b_.pose.position, fronts_);
+    spoken_.assign(triangles_.size(), false);
     solved_.clear();
     solved_triangles_.clear();
     for (const std::uint32_t t : near_) {
-      const bool front = is_in_front(t);
-      if (spoken_[place_of(triangles_, t)] & (front ? 1 : 2)) continue;
-      gather_region(b_, triangles_, t, front, region_);
-      for (const std::uint32_t member : region_.triangles) spoken_[place_of(triangles_, member)] |= front ? 1 : 2;
+      if (spoken_[place_of(triangles_, t)]) continue;
+      gather_region(b_, triangles_, t, sees_front(t), region_);
+      for (const std::uint32_t member : region_.triangles) spoken_[place_of(triangles_, member)] = true;
       solve();
     }
-    for (std::size_t k = solved_.size(); k-- > 0;)
-      if (const Solved& s = solved_[k]; s.is_known)
-        out_.erase(out_.begin() + s.first_point, out_.begin() + s.last_point);
   }
 
  private:
   /// A region with contacts.
   struct Solved {
     WayOut way;
-    bool front, at_edge;
-    std::ptrdiff_t begin, end;               ///< of its triangles
-    std::ptrdiff_t first_point, last_point;  ///< of its contacts
-    bool is_known = false;                   ///< another region that was solved later holds the body there
+    std::ptrdiff_t begin, end;  ///< of its triangles
   };
 
   /// Finds the triangles that the body is near to, of a plane the first one, and takes them in place of the candidates;
@@ -220,10 +215,8 @@ class ConvexOnMesh {
     triangles_ = around_;
     return !near_.empty();
   }
-  bool is_in_front(std::uint32_t t) const {
-    return !(mesh_.normals[t].dot(b_.pose.position - mesh_.vertices[mesh_.triangles[t][0]]) < 0.0);
-  }
-  Vec3 normal_of(std::uint32_t t) const { return normal_towards(mesh_, t, b_.pose.position); }
+  bool sees_front(std::uint32_t t) const { return fronts_[place_of(triangles_, t)]; }
+  Vec3 normal_of(std::uint32_t t) const { return sees_front(t) ? mesh_.normals[t] : Vec3(-mesh_.normals[t]); }
 
   /// The way out of the region; on a face where its plane is as good, within the tolerance.
   void solve() {
@@ -234,29 +227,27 @@ class ConvexOnMesh {
     // a plane within 1e-5 rad of the way out is meant
     const bool along = way.normal.cross(best.normal).squaredNorm() <= along_face * along_face;
     const double slack = along ? b_.tolerance : 1e-3 * b_.tolerance + 1e-12 * region_.radius;
-    const bool bent = best.gap < way.gap - slack, leans = bent && leans_on_others(way), at_edge = bent && !leans;
-    if (!at_edge) way = {leans ? way.gap : best.gap, best.normal, way.on_mesh, 0.0};
+    const std::size_t before = out_.size();
+    const bool bent = best.gap < way.gap - slack;
+    bool leans = bent;
+    if (bent)
+      side_.at_edge(b_, region_, way, [&](const Vec3& x, double gap, std::uint32_t t, std::uint32_t name) {
+        out_.push_back({x, way.normal, std::max(gap, way.gap - b_.sweep), mesh_feature(t, name)});
+        leans = leans && leans_on_others(way, x - 0.5 * gap * way.normal);
+      });
+    if (leans) leans = leans_on_others(way, way.on_mesh);
+    if (!bent || leans) {
+      out_.resize(before);
+      on_face(best.triangle, best.normal, region_.triangles, leans ? Face::leaning : Face::bent);
+      way = {best.gap, best.normal, way.on_mesh, 0.0};
+    } else if (is_known(way)) {
+      return out_.resize(before);
+    }
+    if (!leans) hold_deepest(way, before);
+    if (out_.size() == before) return;
     const auto begin = static_cast<std::ptrdiff_t>(solved_triangles_.size());
     solved_triangles_.insert(solved_triangles_.end(), region_.triangles.begin(), region_.triangles.end());
-    const auto before = static_cast<std::ptrdiff_t>(out_.size());
-    Solved now{way,    region_.front, at_edge, begin, static_cast<std::ptrdiff_t>(solved_triangles_.size()),
-               before, before};
-    if (std::ranges::any_of(solved_, [&](const Solved& s) { return holds(s, now); })) return;
-    if (at_edge)
-      side_.at_edge(b_, region_, way, [&](const Vec3& x, double gap, std::uint32_t t, std::uint32_t name) {
-        out_.push_back({x, way.normal, gap, mesh_feature(t, name)});
-      });
-    else
-      on_face(best.triangle, best.normal, region_.triangles, leans ? Face::leaning : Face::bent);
-    if (!leans) hold_deepest(way, static_cast<std::size_t>(before));
-    now.last_point = static_cast<std::ptrdiff_t>(out_.size());
-    if (now.last_point == before) return;
-    if (leans) {
-      now.way.gap = infinity;
-      for (auto p = out_.begin() + before; p != out_.end(); ++p) now.way.gap = std::min(now.way.gap, p->gap + b_.sweep);
-    }
-    for (Solved& s : solved_) s.is_known = s.is_known || holds(now, s);
-    solved_.push_back(now);
+    solved_.push_back({way, begin, static_cast<std::ptrdiff_t>(solved_triangles_.size())});
   }
 
   /// Where the deepest point of the body hangs over a rim, or lies between the corners of a round end, the region's own
@@ -297,36 +288,32 @@ class ConvexOnMesh {
     return *std::max_element(region_.planes.begin(), region_.planes.end(),
                              [](const RegionPlane& a, const RegionPlane& b) { return a.gap < b.gap; });
   }
-  /// A triangle at the point that is not of the region reaches out along the way, and the body would go into it or
-  /// along the surface: a concave or an inner edge.
-  bool leans_on_others(const WayOut& way) const {
+  /// A triangle at x that is not of the region reaches out along the way, and the body would go into it or along the
+  /// surface: a concave or an inner edge.
+  bool leans_on_others(const WayOut& way, const Vec3& x) const {
     const auto& own = region_.triangles;
     for (const std::uint32_t t : triangles_) {
-      if (std::binary_search(own.begin(), own.end(), t) || !lies_on(mesh_, t, way.on_mesh, b_.tolerance)) continue;
+      if (std::binary_search(own.begin(), own.end(), t) || !lies_on(mesh_, t, x, 10.0 * b_.tolerance)) continue;
       const Vec3 n = normal_of(t);
       const auto goes_on = [&](const RegionPlane& p) {
-        return n.dot(p.normal) > 0.5 && std::abs(p.normal.dot(way.on_mesh - p.point)) <= b_.tolerance;
+        return n.dot(p.normal) > 0.5 && std::abs(p.normal.dot(x - p.point)) <= b_.tolerance;
       };
       const auto& planes = region_.planes;
       if (n.dot(way.normal) > -0.01 && std::none_of(planes.begin(), planes.end(), goes_on)) continue;
       for (const Vec3& c : mesh_.corners(t)) {
-        const Vec3 w = c - way.on_mesh;  // flat within 1e-6 rad is not reaching out
+        const Vec3 w = c - x;  // flat within 1e-6 rad is not reaching out
         if (way.normal.dot(w) > 1e-3 * b_.tolerance + 1e-6 * w.norm()) return true;
       }
     }
     return false;
   }
-  /// The way out of `o` leads from a point of `s`, which is as deep, whichever was solved first: it is one edge or
-  /// corner, or `o` is `s` seen from the other side without the neighbours that bend away from the body.
-  bool holds(const Solved& s, const Solved& o) const {
-    const bool one_side = s.front == o.front;
-    if (one_side && !(o.at_edge && s.way.normal.dot(o.way.normal) > same_edge_cosine)) return false;
-    const bool less = !one_side && s.end - s.begin < o.end - o.begin;
-    if (!(s.way.gap <= o.way.gap + (less ? -1.0 : 1.0) * b_.tolerance)) return false;
-    const auto first = solved_triangles_.begin();
-    return std::any_of(first + s.begin, first + s.end, [&](std::uint32_t t) {
-      return (one_side || std::binary_search(first + o.begin, first + o.end, t)) &&
-             lies_on(mesh_, t, o.way.on_mesh, b_.tolerance);
+  /// The point belongs to a region that is as deep there.
+  bool is_known(const WayOut& way) const {
+    return std::any_of(solved_.begin(), solved_.end(), [&](const Solved& s) {
+      const auto first = solved_triangles_.begin();
+      return s.way.gap <= way.gap + b_.tolerance && s.way.normal.dot(way.normal) > same_edge_cosine &&
+             std::any_of(first + s.begin, first + s.end,
+                         [&](std::uint32_t t) { return lies_on(mesh_, t, way.on_mesh, b_.tolerance); });
     });
   }
 
@@ -429,7 +416,7 @@ class ConvexOnMesh {
 
   struct Room {  // keeps its size: no allocation once the largest contact was seen
     std::vector<std::uint32_t> near, around;
-    std::vector<unsigned char> spoken;
+    std::vector<unsigned char> spoken, fronts;
     std::vector<Solved> solved;
     std::vector<std::uint32_t> solved_triangles;
     std::vector<SidePoint> side_points;
@@ -447,7 +434,8 @@ class ConvexOnMesh {
   ContactSink& sink_;
   std::vector<std::uint32_t>& near_ = room().near;
   std::vector<std::uint32_t>& around_ = room().around;
-  std::vector<unsigned char>& spoken_ = room().spoken;  ///< by place: front and back of the triangle are in a region
+  std::vector<unsigned char>& spoken_ = room().spoken;  ///< by place: the triangle is in a region
+  std::vector<unsigned char>& fronts_ = room().fronts;  ///< by place: the body is on the front of the surface there
   std::vector<Solved>& solved_ = room().solved;
   std::vector<std::uint32_t>& solved_triangles_ = room().solved_triangles;
   std::vector<SidePoint>& side_points_ = room().side_points;

@@ -11,6 +11,7 @@ namespace epafi {
 namespace {
 
 constexpr double not_rising = 1e-9;  // [rad] far below what a normal can feel, far above rounding
+constexpr double same_distance = 1e-9, half_turn = 3.14159265358979323846;
 
 /// The triangles around a place, gathered to a region: the first in any case, rounded slivers lie around notches.
 class Gathering {
@@ -24,7 +25,7 @@ class Gathering {
     region.corners.clear();
     region.radius = 0.0;
     for (const std::uint32_t t : triangles)
-      if (mesh_.notches[t] != 0) find_notches(t);
+      if (mesh_.around[t].notches != 0) find_notches(t);
   }
   void take(std::uint32_t t) {
     const auto corner = mesh_.corners(t);
@@ -48,7 +49,7 @@ class Gathering {
     for (std::size_t k = 0; k < 3; ++k) {
       const RegionNotch notch{mesh_.face[t], mesh_.triangles[t][k]};
       const auto same = [&](const RegionNotch& n) { return n.face == notch.face && n.vertex == notch.vertex; };
-      if ((mesh_.notches[t] >> k & 1) == 0) continue;
+      if ((mesh_.around[t].notches >> k & 1) == 0) continue;
       if (std::none_of(region_.notches.begin(), region_.notches.end(), same)) region_.notches.push_back(notch);
     }
   }
@@ -101,7 +102,63 @@ class Gathering {
   }
 };
 
+/// Which side of a surface a point sees, by the place of the surface nearest to it, there by the normals weighted with
+/// their angles (Baerentzen and Aanaes 2005).
+struct NearestPlace {
+  double distance = infinity, height = 0.0;
+
+  void see(const TriangleMesh& mesh, std::uint32_t t, const Vec3& x) {
+    auto corner = mesh.corners(t);
+    for (Vec3& c : corner) c -= x;
+    const NearestOnTriangle near = nearest_on_triangle(Vec3::Zero(), corner);
+    if (near.distance < distance * (1.0 - same_distance)) height = 0.0;
+    if (near.distance <= distance * (1.0 + same_distance))
+      height -= angle_at(near.part, corner) * mesh.normals[t].dot(near.point);
+    distance = std::min(distance, near.distance);
+  }
+  /// How far the surface goes around a point of a triangle [rad].
+  static double angle_at(TrianglePart part, const std::array<Vec3, 3>& corner) {
+    if (part == TrianglePart::face) return 2.0 * half_turn;
+    if (part < TrianglePart::corner0) return half_turn;
+    const auto k = static_cast<std::size_t>(part) - static_cast<std::size_t>(TrianglePart::corner0);
+    const Vec3 u = corner[(k + 1) % 3] - corner[k], v = corner[(k + 2) % 3] - corner[k];
+    return std::atan2(u.cross(v).norm(), u.dot(v));
+  }
+};
+
 }  // namespace
+
+void find_sides(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, const Vec3& x,
+                std::vector<unsigned char>& front) {
+  constexpr unsigned char unknown = 2;
+  static thread_local std::vector<std::size_t> part;  // keep their size
+  static thread_local std::vector<std::uint32_t> around;
+  front.assign(triangles.size(), unknown);
+  for (std::size_t first = 0; first < triangles.size(); ++first) {
+    if (front[first] != unknown) continue;
+    NearestPlace nearest;
+    part.assign(1, first);
+    front[first] = 0;
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      const std::uint32_t t = triangles[part[i]];
+      nearest.see(mesh, t, x);
+      for (const std::uint32_t next : mesh.neighbours[t]) {
+        const std::size_t place = place_of(triangles, next);
+        if (place == triangles.size() || triangles[place] != next || front[place] != unknown) continue;
+        front[place] = 0;
+        part.push_back(place);
+      }
+    }
+    if (const std::uint32_t closed = mesh.around[triangles[first]].closed; closed != TriangleMesh::none) {
+      around.clear();  // what stands between x and these triangles need not be among them
+      mesh.query(Aabb{x, x}.fattened(nearest.distance * (1.0 + same_distance)), around);
+      nearest = {};
+      for (const std::uint32_t t : around)
+        if (mesh.around[t].closed == closed) nearest.see(mesh, t, x);
+    }
+    for (const std::size_t k : part) front[k] = nearest.height >= 0.0;
+  }
+}
 
 Vec3 MeshRegion::support(const Vec3& d) const {
   return *std::max_element(corners.begin(), corners.end(),

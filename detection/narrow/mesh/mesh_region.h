@@ -68,6 +68,11 @@ bool is_out_of_reach(const PlacedCore& body, std::uint32_t t);
 /// and, as old as they are, some others: what is found among these alone does not depend on the age of a list.
 bool is_near(const PlacedCore& body, std::uint32_t t);
 
+/// On which side of the surface x is, by triangle (ascending): one answer for all that are connected among them, also
+/// where the planes of some say otherwise. front: 1, back: 0.
+void find_sides(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, const Vec3& x,
+                std::vector<unsigned char>& front);
+
 inline std::size_t place_of(std::span<const std::uint32_t> triangles, std::uint32_t t) {
   return static_cast<std::size_t>(std::lower_bound(triangles.begin(), triangles.end(), t) - triangles.begin());
 }
