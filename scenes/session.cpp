@@ -31,9 +31,10 @@ namespace epafi {
 
 namespace {
 
-/// Steps between two happenings `interval` seconds apart, at least 1.
+/// Steps between two happenings `interval` seconds apart, at least 1; an interval longer than any run is the longest.
 std::uint64_t steps_of(double interval, double dt) {
-  return static_cast<std::uint64_t>(std::max(1.0, std::round(interval / dt)));
+  constexpr double most = 1e15;  // steps of a run
+  return static_cast<std::uint64_t>(std::clamp(std::round(interval / dt), 1.0, most));
 }
 
 /// Of all bodies of the scene, those too that are poured in later [m].

@@ -164,3 +164,26 @@ TEST_CASE("what a step beyond the limit throws off is never done in silence", "[
     }
   CHECK(ended >= 12);
 }
+
+TEST_CASE("intervals longer than any count of steps never come", "[scenes]") {
+  // 1e17 steps and more had no whole number of 64 bits: a division by zero
+  const TemporaryFolder folder;
+  Random random(17, 0);
+  for (const char* key : {"run.output_interval", "run.checkpoint_interval", "measure.0.interval"}) {
+    const double interval = std::pow(10.0, random.uniform(13.0, 300.0));
+    const fs::path file = folder / "falling.toml";
+    std::ofstream(file) << R"(run = { duration = 0.01, time_step = 1e-3 }
+world = { gravity = [0, 0, -9.81] }
+material.m = { density = 2500.0 }
+contact = { method = "smooth", restitution = 0.5, friction = 0.0, smooth = { law = "linear", stiffness = 1e5 } }
+body = [{ name = "ball", shape = { sphere = { radius = 0.1 } }, material = "m" }]
+measure = [{ name = "energy", kind = "energy", interval = 1e-3 }]
+)";
+    RunOptions options = quiet_into(folder / "out");
+    options.force = true;
+    const Captured run = run_of(file, options, {fmt::format("{}={}", key, interval)});
+    INFO(key << " = " << interval << "\n" << run.err);
+    CHECK(run.code == exit_done);
+    CHECK(read_json(folder / "out" / "summary.json").number("steps") == 10.0);
+  }
+}
