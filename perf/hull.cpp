@@ -2,11 +2,11 @@
 /// climbing from the vertex of a direction 1e-3 away; and the distance of two such hulls. Error: of the height (of the
 /// distance: along its normal by a scan), in units of the size.
 #include <cstdio>
-#include <ctime>
 
 #include "detection/narrow/gjk/convex_answer.h"
 #include "detection/shapes/placed_hull.h"
 #include "engine/units/random.h"
+#include "perf/thread_time.h"
 
 using namespace epafi;
 
@@ -19,11 +19,7 @@ Vec3 direction(Random& random) {
   }
 }
 
-double now() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e9 * static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec);
-}
+double now() { return 1e9 * thread_seconds(); }  // [ns]
 
 double scan(const ConvexHull& h, const Vec3& d) {
   double height = -infinity;

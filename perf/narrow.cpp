@@ -6,13 +6,13 @@
 /// shifted and swapped.
 #include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <map>
 
 #include "detection/convex_corpus.h"
 #include "detection/narrow/gjk/convex_answer.h"
 #include "detection/narrow/narrow_phase.h"
 #include "engine/threads/parallel.h"
+#include "perf/thread_time.h"
 
 using namespace epafi;
 
@@ -62,11 +62,7 @@ ConvexHull::Built hull_of(const CorpusBody& body, double scale) {
 
 constexpr std::size_t steps = 32;
 
-double now() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e9 * static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec);
-}
+double now() { return 1e9 * thread_seconds(); }  // [ns]
 
 template <class Query>
 double nanoseconds(const Query& query) {

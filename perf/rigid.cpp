@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <ctime>
 #include <numbers>
 #include <numeric>
 
@@ -16,17 +15,12 @@
 #include "engine/threads/parallel.h"
 #include "scenes/assemble.h"
 #include "scenes/full_registry.h"
+#include "scenes/processor_time.h"
 #include "scenes/reader/scene_reader.h"
 
 namespace {
 
 using namespace epafi;
-
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 struct Workload {
   std::string name, scene;
@@ -100,12 +94,12 @@ void row(const Workload& w, const std::string& solver, int iterations, double to
   const auto steps = static_cast<std::uint64_t>(std::llround(w.duration / w.dt));
   const auto look = static_cast<std::uint64_t>(std::max(1.0, std::round(0.1 / w.dt)));
   while (sim.steps() < steps) {
-    const double begin = cpu_seconds();
+    const double begin = process_seconds();
     if (const auto failure = sim.advance(false)) {
       fmt::print("{:>14} {:>8}: {}\n", w.name, solver, failure->text);
       return;
     }
-    seconds.push_back(cpu_seconds() - begin);
+    seconds.push_back(process_seconds() - begin);
     f.iterations += sim.work.report.solver.iterations / static_cast<double>(steps);
     if (sim.steps() % look != 0) continue;
     look_at_overlap(*assembly, w.pile, f);

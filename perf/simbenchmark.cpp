@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
-#include <ctime>
 
 #include "engine/step/energy.h"
 #include "engine/threads/parallel.h"
+#include "perf/thread_time.h"
 #include "scenes/assemble.h"
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
@@ -16,12 +16,6 @@
 namespace {
 
 using namespace epafi;
-
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 /// Sum of squared overlaps of the balls (radius 0.1) with each other and with the ground, at the end of a step.
 double squared_overlap(const World& world) {
@@ -73,9 +67,9 @@ void row(const std::string& scene, const std::string& solver, const std::string&
   double error = 0.0, seconds = 0.0, iterations_mean = 0.0;
   const auto steps = static_cast<std::uint64_t>(std::llround(duration / dt));
   while (sim.steps() < steps) {
-    const double begin = cpu_seconds();
+    const double begin = thread_seconds();
     if (sim.advance(false)) return;
-    seconds += cpu_seconds() - begin;
+    seconds += thread_seconds() - begin;
     const double e = scene == "rolling" ? rolling_error(sim.world, static_cast<double>(sim.steps()) * dt)
                      : elastic          ? (energy() - first) * (energy() - first)
                                         : squared_overlap(sim.world);

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <ctime>
 #include <string>
 
 #include "engine/threads/parallel.h"
@@ -15,17 +14,12 @@
 #include "laws/nonsmooth/residual.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
 #include "laws/nonsmooth/solvers/pgs.h"
+#include "perf/thread_time.h"
 #include "tests/support/contact_worlds.h"
 
 namespace {
 
 using namespace epafi;
-
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 void row(const char* name, const ContactProblem& problem, const SolverEntry& entry, int sweeps) {
   Parameters parameters;
@@ -37,9 +31,9 @@ void row(const char* name, const ContactProblem& problem, const SolverEntry& ent
   SolverReport report;
   for (double& s : seconds) {
     r.assign(problem.size(), Vec3::Zero());
-    const double start = cpu_seconds();
+    const double start = thread_seconds();
     report = solver->solve(problem, r);
-    s = cpu_seconds() - start;
+    s = thread_seconds() - start;
   }
   std::sort(seconds.begin(), seconds.end());
   const Coloring& coloring = problem.coloring();
@@ -58,9 +52,9 @@ template <class F>
 double least_seconds(const F& f) {
   double least = infinity;
   for (int k = 0; k < 20; ++k) {
-    const double start = cpu_seconds();
+    const double start = thread_seconds();
     f();
-    least = std::min(least, cpu_seconds() - start);
+    least = std::min(least, thread_seconds() - start);
   }
   return least;
 }

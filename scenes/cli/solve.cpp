@@ -1,7 +1,6 @@
 /// `epafi solve`: friction-contact problems from files, by any solver; a row per problem and method. The residual is
 /// measured here, not by the solver.
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +16,7 @@
 #include "laws/nonsmooth/true_residual.h"
 #include "scenes/cli/commands.h"
 #include "scenes/cli/print.h"
+#include "scenes/processor_time.h"
 #include "scenes/stop.h"
 #include "viz_export/files/json_writer.h"
 #include "viz_export/files/page_target.h"
@@ -33,12 +33,6 @@ struct Row {
   int iterations = 0;
   double ms = 0.0, residual = 0.0, penetration_rate = 0.0, sweeps = 0.0;
 };
-
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 std::vector<const SolverEntry*> chosen(const std::vector<std::string>& methods) {
   std::vector<const SolverEntry*> list;
@@ -67,12 +61,12 @@ double sweep_ms(const ConeProblem& problem) {
   double least = infinity;
   for (int trial = 0; trial < 5; ++trial) {
     int count = 0;
-    const double start = cpu_seconds();
+    const double start = process_seconds();
     double now;
     do {
       for (int k = 0; k < 16; ++k) sweep.run(PgsRule{}, r);
       count += 16;
-      now = cpu_seconds();
+      now = process_seconds();
     } while (now - start < 2e-4);  // 200 readings of the clock
     least = std::min(least, 1e3 * (now - start) / count);
   }
@@ -158,15 +152,15 @@ Row solve_one(const ConeProblem& problem, const SolverEntry& entry, const SolveO
   parameters.set("iterations", std::min(o.max_iterations, 2e9));
   const auto solver = entry.make(parameters);
   r.assign(problem.size(), Vec3::Zero());
-  const double start = cpu_seconds();
+  const double start = process_seconds();
   bool late = false;
-  solver->interrupted = [&] { return late = cpu_seconds() - start > limit; };
+  solver->interrupted = [&] { return late = process_seconds() - start > limit; };
   const SolverReport report = solver->solve(problem, r);
   Row row;
   row.method = entry.entry.name;
   row.status = "solved";
   row.iterations = report.iterations;
-  row.ms = 1e3 * (cpu_seconds() - start);
+  row.ms = 1e3 * (process_seconds() - start);
   std::vector<Vec6> v;
   std::vector<Vec3> u;
   problem.relative_velocities(r, v, u);
