@@ -392,8 +392,11 @@ int command_export(const std::string& directory, const std::string& format) {
   const bool tables = format == "csv";
   const LastState last = tables ? last_state(directory) : LastState{};
   const ExportReport report = export_run(directory, tables ? ExportFormat::csv : ExportFormat::vtk, last.bodies);
-  say(fmt::format("{} snapshots and {} measures exported from {}/run.h5", report.snapshots, report.measures,
-                  directory));
+  const auto counted = [](std::size_t n, const char* what) {
+    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+  };
+  const std::string measures = tables ? " and " + counted(report.measures, "measure") : "";
+  say(fmt::format("{}{} exported from {}/run.h5", counted(report.snapshots, "snapshot"), measures, directory));
   if (!last.note.empty()) say("epafi: note: " + last.note);
   for (const std::string& note : report.notes) say("epafi: note: " + note);
   if (!tables) return exit_done;

@@ -141,7 +141,7 @@ void add_lists(Program& p) {
   narrow->add_option("-o,--out", p.narrow.out, "write to this file")->check(epafi::file_name());
   p.add("schema", "the JSON Schema of scene files", [] { return epafi::command_schema(); });
   auto* starter = p.add("new", "a commented starter scene on stdout", [&p] { return epafi::command_new(p.kind); });
-  starter->add_option("kind", p.kind, "hopper, stack, impact, pile")->required();
+  starter->add_option("kind", p.kind, "hopper, stack, impact, pile");
   add_solve_flags(p.add("solve", "solve friction-contact problems from files (FCLIB HDF5, Siconos .dat)",
                         [&p] { return epafi::command_solve(p.solve); }),
                   p.solve);
@@ -265,6 +265,13 @@ int epafi::program(int argc, char** argv) {  // NOLINT(bugprone-exception-escape
   p.app.set_version_flag("--version", epafi::version_text());
   p.app.require_subcommand(1);
   for (const auto add : {add_runs, add_lists, add_pages, add_views, add_patch, add_studies, add_bench}) add(p);
+  p.app.failure_message([](const CLI::App*, const CLI::Error& e) {
+    return fmt::format("error: {}; epafi --help shows what there is\n", e.what());
+  });
+  if (const std::string help = epafi::asked_help(p.app, argc, argv); !help.empty()) {
+    std::cout << help;
+    return epafi::exit_done;
+  }
   if (const std::string wrong = epafi::unknown_command(p.app, argc, argv); !wrong.empty()) {
     std::cerr << wrong;
     return epafi::exit_usage;

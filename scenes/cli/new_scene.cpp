@@ -1,5 +1,7 @@
 #include "scenes/cli/new_scene.h"
 
+#include <fmt/format.h>
+
 #include "engine/units/error.h"
 #include "engine/units/nearest.h"
 
@@ -243,6 +245,8 @@ const std::vector<std::string>& starter_kinds() {
 std::string starter_scene(std::string_view kind) {
   for (const auto& starter : starters)
     if (kind == starter.kind) return starter.text;
+  if (kind.empty())
+    throw SceneError(fmt::format("which starter scene? There are: {}", fmt::join(starter_kinds(), ", ")));
   throw SceneError("there is no starter scene '" + std::string(kind) + "'" +
                    suggestion(kind, starter_kinds(), "available"));
 }

@@ -57,6 +57,13 @@ inline std::string hint(const std::string& word, const std::vector<std::string>&
   return close ? "did you mean '" + *close + "'? " : "";
 }
 
+/// What `epafi help` and `epafi help COMMAND` print; empty where that is not asked.
+inline std::string asked_help(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || std::string(argv[1]) != "help") return {};
+  const bool of_one = argc > 2 && holds(command_names(app), argv[2]);
+  return of_one ? app.get_subcommand(std::string(argv[2]))->help() : app.help();
+}
+
 /// Says what is wrong with the name of a command; empty if there is a command of this name, or none was given.
 inline std::string unknown_command(const CLI::App& app, int argc, char** argv) {
   const std::vector<std::string> names = command_names(app);

@@ -85,6 +85,11 @@ TEST_CASE("a command that does not exist is answered with its name and the neare
   CHECK(said.find("error: unknown command 'rum'; did you mean 'run'?") == 0);
 }
 
+TEST_CASE("help is a command too", "[scenes][list]") {
+  CHECK(answer("", "help") == answer("", "--help"));
+  CHECK(answer("", "help run") == answer("", "run --help"));
+}
+
 TEST_CASE("an option that does not exist, or is given no number of its kind, is answered with what is",
           "[scenes][list]") {
   const auto refused = [](const std::string& line, const std::string& text) {
@@ -95,7 +100,8 @@ TEST_CASE("an option that does not exist, or is given no number of its kind, is 
   };
   refused("run scene.toml --treads 2", "error: unknown option '--treads' of epafi run; did you mean '--threads'?");
   refused("resume out --force", "error: unknown option '--force' of epafi resume");
-  refused("run -t4", "scene is required");
+  refused("run -t4", "error: scene is required");
+  refused("new", "which starter scene? There are: ");
   refused("run scene.toml -t 0", "--threads: '0' is no whole number from 1 to 1000000000");
   refused("run scene.toml --steps -3", "--steps: '-3' is no whole number from 0");
   refused("run scene.toml --steps 1.5", "--steps: '1.5' is no whole number from 0");
