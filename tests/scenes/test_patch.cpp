@@ -384,3 +384,25 @@ TEST_CASE("finite elements say how far they miss two hills of pressure", "[scene
   const double off = std::abs(both[1].max_pressure / both[0].max_pressure - 1.0);
   CHECK(off <= both[1].error_estimate + 2.0 * both[0].error_estimate);
 }
+
+TEST_CASE("without friction no model of steady rolling has a force, with hardly any all have Coulomb's",
+          "[scenes][wheel_rail]") {
+  // FASTSIM's flexibility was 0/0 where mu N is: forces that were no numbers
+  std::mt19937 random(5);
+  const auto in = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  for (const double friction : {0.0, 1e-9, 1e-12}) {
+    const std::string text = fmt::format(
+        "[material.s]\nshear_modulus = 82e9\npoissons_ratio = 0.28\n[contact]\nfriction = {}\n[patch]\nload = 8e4\n"
+        "semi_axes = {{ a = {}, b = {} }}\ncreepage = {{ longitudinal = {}, lateral = {} }}\ntangential = "
+        "[\"fastsim\", "
+        "\"fastsim-elliptic\", \"fastrip\", \"shen-hedrick-elkins\", \"polach\", \"coulomb\", \"half-space\"]\n",
+        friction, in(3e-3, 8e-3), in(3e-3, 8e-3), in(1e-3, 1e-2), in(1e-3, 1e-2));
+    INFO(text);
+    const PatchReading reading = read_patch_text(text, "case.toml", {});
+    REQUIRE(reading.patch);
+    for (const PatchResult& r : evaluate_patch(*reading.patch)) {
+      INFO(r.tangential);
+      CHECK(std::hypot(r.force.fx, r.force.fy) == Approx(friction * 8e4).epsilon(0.02).margin(0.0));
+    }
+  }
+}
