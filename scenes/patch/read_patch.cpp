@@ -12,6 +12,7 @@
 #include "scenes/full_registry.h"
 #include "scenes/patch/patch_case.h"
 #include "scenes/patch/patch_schema.h"
+#include "scenes/railway/plausible.h"
 #include "scenes/railway/profiles.h"
 #include "scenes/reader/file_kind.h"
 #include "scenes/reader/parts.h"
@@ -111,6 +112,7 @@ void check_dimensions(Reading& reading, const TableValues& patch, ProfileCase& c
   const std::pair<const char*, double> all[] = {{"wheel radius", c.track.radius},
                                                 {"gauge", c.track.gauge},
                                                 {"flange_back", c.track.flange_back},
+                                                {"rolling_radius", c.rolling_radius.value_or(0.0)},
                                                 {"lateral_shift", std::abs(c.position.lateral_shift)}};
   for (const auto& [name, value] : all) {
     if (value <= largest) continue;
@@ -118,6 +120,15 @@ void check_dimensions(Reading& reading, const TableValues& patch, ProfileCase& c
         fmt::format("[patch] {} = {:.4g} m: is it in millimetres? write \"{:.4g} mm\"", name, value, value);
     reading.warning(patch.place, text);
     c.doubts.push_back(text);
+  }
+  // wheels are a quarter of their radius wide, rails a twentieth of the gauge; inches called mm make 1/25 of it
+  const std::pair<const char*, std::string> widths[] = {
+      {"wheel_profile", scale_remark(c.wheel.y_max() - c.wheel.y_min(), c.track.radius, 0.03)},
+      {"rail_profile", scale_remark(c.rail.y_max() - c.rail.y_min(), c.track.gauge, 0.008)}};
+  for (const auto& [name, remark] : widths) {
+    if (remark.empty()) continue;
+    reading.warning(patch.place, fmt::format("[patch] {}: {}", name, remark));
+    c.doubts.push_back(fmt::format("{}: {}", name, remark));
   }
 }
 
