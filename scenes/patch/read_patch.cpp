@@ -215,10 +215,13 @@ void set_geometry(Reading& reading, const TableValues& v, PatchCase& out) {
     reading.error(v.place_of("radii"), "[patch] radii: two flat surfaces have no contact point");
   else if ((x == 0.0 || y == 0.0) && !out.length)
     reading.error(v.place_of("radii"), "[patch] radii: a line contact needs its length (m)");
+  if (!out.length || x == 0.0 || y == 0.0) return;
+  reading.warning(v.place_of("length"), "[patch] length is not used: these radii touch in an ellipse");
+  out.length.reset();
 }
 
 void set_load(Reading& reading, const TableValues& v, PatchCase& out) {
-  if (v.written("load") == v.written("approach"))
+  if (v.meant("load") == v.meant("approach"))
     return reading.error(v.place, "[patch]: write one of load (N) and approach (m)");
   out.target = {v.written("load"), v.written("load") ? v.number_or("load", 0.0) : v.number_or("approach", 0.0)};
   const bool line = out.radii && out.length;
@@ -233,7 +236,7 @@ void set_friction(Reading& reading, bool needed, const Creepage& creepage, Patch
   const Node& table = table_or_empty(reading, "contact");
   const TableValues v = read_table(table, "[contact]", patch_contact_fields(), reading);
   if (!v.has("friction")) {
-    if (needed)
+    if (needed && !v.meant("friction"))
       reading.error({reading.main_file, 1, 1}, "missing key 'friction' in [contact]: a tangential model needs it");
     return;
   }
@@ -251,7 +254,11 @@ PatchReading read_document(Document document, const std::string& file) {
   if (!document.failed && !report_other_kind(reading, FileKind::patch_case)) {
     PatchCase out;
     out.file = file;
-    if (const Node* title = reading.root.find("title")) out.title = title->text;
+    if (const Node* title = reading.root.find("title")) {
+      if (title->type != Node::Type::text)
+        reading.error(title->place, std::string("title: expected a text, found ") + kind_of(*title));
+      out.title = title->text;
+    }
     check_tables(reading);
     reading.check_params();
     if (const Node* table = find_table(reading, "patch")) {
