@@ -55,6 +55,10 @@ RunFile continued_run(const std::filesystem::path& path, const RunFileHeader& he
   if (damage.empty()) return {path, header, from.step, from.time};
   const std::filesystem::path aside = path.string() + ".damaged";
   std::error_code none;
+  if (!std::filesystem::exists(path, none)) {
+    note = path.string() + ": is missing; a new one begins at step " + std::to_string(from.step);
+    return {path, header};
+  }
   std::filesystem::rename(path, aside, none);
   note = damage + "; it is kept as " + aside.filename().string() + ", a new one begins at step " +
          std::to_string(from.step);
