@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 
@@ -232,7 +233,7 @@ void set_load(Reading& reading, const TableValues& v, PatchCase& out) {
     reading.error(v.place_of("approach"), "[patch] semi_axes need a load; the approach follows");
 }
 
-void set_friction(Reading& reading, bool needed, const Creepage& creepage, PatchCase& out) {
+void set_friction(Reading& reading, bool needed, PatchCase& out) {
   const Node& table = table_or_empty(reading, "contact");
   const TableValues v = read_table(table, "[contact]", patch_contact_fields(), reading);
   if (!v.has("friction")) {
@@ -240,10 +241,15 @@ void set_friction(Reading& reading, bool needed, const Creepage& creepage, Patch
       reading.error({reading.main_file, 1, 1}, "missing key 'friction' in [contact]: a tangential model needs it");
     return;
   }
-  const double slip = v.number_or("speed", 0.0) * std::hypot(creepage.longitudinal, creepage.lateral),
-               A = v.number_or("friction_limit", 1.0);
-  // Polach 2005: mu = mu0 ((1 - A) exp(-B w) + A)
-  out.friction = v.number("friction") * ((1.0 - A) * std::exp(-v.number_or("friction_decay", 0.0) * slip) + A);
+  out.friction = v.number("friction");
+  out.falling = {v.number_or("friction_limit", 1.0), v.number_or("friction_decay", 0.0), v.number_or("speed", 0.0)};
+  constexpr std::array keys{"friction_limit", "friction_decay", "speed"};
+  const bool falls = out.falling.limit < 1.0 && out.falling.decay > 0.0 && out.falling.speed > 0.0;
+  for (const char* key : keys)
+    if (v.written(key) && !falls)
+      reading.warning(v.place_of(key), std::string("[contact] ") + key +
+                                           " has no effect: friction falls with slip where friction_limit < 1, "
+                                           "friction_decay > 0 and speed > 0 are all written");
 }
 
 PatchReading read_document(Document document, const std::string& file) {
@@ -278,7 +284,7 @@ PatchReading read_document(Document document, const std::string& file) {
       set_materials(reading, v, out);
       set_geometry(reading, v, out);
       set_load(reading, v, out);
-      set_friction(reading, !out.tangential.empty(), out.creepage, out);
+      set_friction(reading, !out.tangential.empty(), out);
     } else {
       reading.error({file, 1, 1}, "missing table [patch]");
     }
