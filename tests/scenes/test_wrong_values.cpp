@@ -152,3 +152,17 @@ TEST_CASE("a key that is misspelt, or whose value is wrong, is told once and not
     }
   }
 }
+
+TEST_CASE("a zero in a text is told where it stands", "[scenes][reader]") {
+  // messages ended at it, and with them what was allowed
+  for (const std::string key : {"duration", "density", "method", "shape", "material", "count", "kind", "name"}) {
+    std::string text = sound_scene;
+    const std::size_t at = text.find("\n" + key + " = ") + key.size() + 4;
+    text.replace(at, text.find('\n', at) - at, "\"a\\u0000b\"");
+    const auto errors = errors_of(text);
+    INFO(text);
+    CAPTURE(errors);
+    REQUIRE(errors.size() == 1);
+    CHECK_THAT(errors[0], Catch::Contains("the character U+0000") && Catch::Contains("scene.toml:"));
+  }
+}
