@@ -23,6 +23,18 @@ double density(const Scene& scene, std::size_t material, const Place& place) {
   return m.density;
 }
 
+/// What moves by forces needs a mass and moments whose inverses are numbers too.
+void check_inertia(const Body& body, const std::string& type, const Place& place) {
+  if (body.mass > 0.0 && std::isfinite(body.mass) && std::isfinite(1.0 / body.mass) && body.inertia.allFinite() &&
+      body.inertia.minCoeff() > 0.0 && body.inertia.cwiseInverse().allFinite())
+    return;
+  throw SceneError(
+      fmt::format("a free {} has a mass of {:.3g} kg and moments of inertia of {:.3g}, {:.3g}, {:.3g} kg m^2; expected "
+                  "positive numbers: its lengths or its density are beyond measure",
+                  type, body.mass, body.inertia.x(), body.inertia.y(), body.inertia.z()),
+      place);
+}
+
 /// The body of a shape, checked for the motion it is given.
 Body make_body(const Assembly& a, const BuiltShape& shape, const BodySpec& spec, const Place& place) {
   Body body;
@@ -38,6 +50,7 @@ Body make_body(const Assembly& a, const BuiltShape& shape, const BodySpec& spec,
   const double rho = shape.mass > 0 ? 1.0 : density(a.scene, spec.material, place);
   body.mass = shape.mass > 0 ? shape.mass : rho * shape.volume;
   body.inertia = rho * shape.frame.moments;
+  check_inertia(body, a.scene.shapes[spec.shape].type, place);
   return body;
 }
 

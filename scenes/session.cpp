@@ -33,8 +33,7 @@ namespace {
 
 /// Steps between two happenings `interval` seconds apart, at least 1; an interval longer than any run is the longest.
 std::uint64_t steps_of(double interval, double dt) {
-  constexpr double most = 1e15;  // steps of a run
-  return static_cast<std::uint64_t>(std::clamp(std::round(interval / dt), 1.0, most));
+  return static_cast<std::uint64_t>(std::clamp(std::round(interval / dt), 1.0, 1e15));
 }
 
 /// Of all bodies of the scene, those too that are poured in later [m].
@@ -56,8 +55,8 @@ RunFile continued_run(const std::filesystem::path& path, const RunFileHeader& he
   const std::filesystem::path aside = path.string() + ".damaged";
   std::error_code none;
   std::filesystem::rename(path, aside, none);
-  note = damage + "; it is kept as " + aside.filename().string() + ", a new one begins at step " +
-         std::to_string(from.step);
+  note = none ? path.string() + ": is missing;" : damage + "; it is kept as " + aside.filename().string() + ",";
+  note += " a new one begins at step " + std::to_string(from.step);
   return {path, header};
 }
 

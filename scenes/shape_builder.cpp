@@ -52,6 +52,16 @@ double largest_distance(const std::vector<Vec3>& points, const Vec3& from) {
   return radius;
 }
 
+/// Distances are squared and multiplied by each other: beyond these lengths [m] that leaves the range of numbers.
+void check_extent(const ShapeSpec& spec, double radius) {
+  constexpr double least = 1e-60, most = 1e60;
+  const bool endless = spec.type == "half_space" || spec.type == "rail_profile";
+  if (endless || (radius >= least && radius <= most)) return;
+  throw SceneError(fmt::format("a {} that reaches {:.3g} m from its centre; expected {:.0e} to {:.0e} m", spec.type,
+                               radius, least, most),
+                   spec.place);
+}
+
 }  // namespace
 
 BuiltShape ShapeBuilder::build(std::size_t shape, double size) {
@@ -61,6 +71,7 @@ BuiltShape ShapeBuilder::build(std::size_t shape, double size) {
   if (spec.scale_to_diameter && spec.type == "sphere")
     size *= *spec.scale_to_diameter / (2 * spec.parameters.number("radius"));
   const BuiltShape out = build_new(spec, size);
+  check_extent(spec, out.radius);
   constexpr std::size_t most_kept = 1000;  // a map of a million radii would take as much as their bodies
   if (!out.is_sphere || built_.size() < most_kept) built_.emplace(key, out);
   if (!out.is_sphere)

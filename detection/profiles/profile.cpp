@@ -1,9 +1,10 @@
 #include "detection/profiles/profile.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
+#include <cstring>
 #include <optional>
 #include <sstream>
 
@@ -148,6 +149,11 @@ Profile::Value Profile::at(double y) const {
 
 namespace {
 
+std::string shortened(const std::string& text) {
+  constexpr std::size_t most = 40;
+  return text.size() > most ? text.substr(0, most) + "..." : text;
+}
+
 /// Unit in metres that a comment states, 0 if it states none.
 double unit_of_comment(const std::string& line, std::string& problem) {
   const std::size_t colon = line.find("unit:");
@@ -155,25 +161,63 @@ double unit_of_comment(const std::string& line, std::string& problem) {
   const std::size_t word = line.find_first_not_of(" \t", colon + 5);
   const std::string name = word == std::string::npos ? "" : line.substr(word, line.find_last_not_of(" \t") + 1 - word);
   const QuantityResult q = read_quantity("1 " + name, "m");
-  if (!q.value) problem = "unit '" + name + "': " + q.problem;
+  if (!q.value) problem = "unit '" + shortened(name) + "': " + q.problem;
   return q.value.value_or(0.0);
 }
 
-/// The first three numbers of a line, separated by comma, semicolon or space; the third may be missing (not a number).
+constexpr const char* between_cells = " \t,;";
+
+/// The first three numbers of a line, separated by comma, semicolon or blanks; the third may be missing (not a number).
 struct Row {
   double y = 0.0, z = 0.0, third = 0.0;
 };
-std::optional<Row> row_of(std::string line) {
-  std::replace(line.begin(), line.end(), ',', ' ');
-  std::replace(line.begin(), line.end(), ';', ' ');
-  char *end = nullptr, *last = nullptr, *after = nullptr;
-  Row r;
-  r.y = std::strtod(line.c_str(), &end);
-  r.z = std::strtod(end, &last);
-  r.third = std::strtod(last, &after);
-  if (end == line.c_str() || last == end || !std::isfinite(r.y) || !std::isfinite(r.z)) return std::nullopt;
-  if (after == last) r.third = std::numeric_limits<double>::quiet_NaN();
-  return r;
+std::optional<Row> row_of(const std::string& line) {
+  std::array<double, 3> value{NAN, NAN, NAN};
+  const char* at = line.c_str();
+  for (double& v : value) {
+    at += std::strspn(at, between_cells);
+    char* end = nullptr;
+    const double read = std::strtod(at, &end);
+    const bool whole = end != at && (*end == '\0' || std::strchr(between_cells, *end) != nullptr);
+    if (!whole) break;
+    v = read;
+    at = end;
+  }
+  if (!std::isfinite(value[0]) || !std::isfinite(value[1])) return std::nullopt;
+  return Row{value[0], value[1], value[2]};
+}
+
+/// "-69,9;11,54" and "-69,9 11,54": commas within numbers, which separate them here.
+bool has_decimal_commas(const std::string& line) {
+  const auto is_digit = [&](std::size_t k) { return k < line.size() && line[k] >= '0' && line[k] <= '9'; };
+  bool within = false;
+  for (std::size_t k = 1; k < line.size(); ++k) within |= line[k] == ',' && is_digit(k - 1) && is_digit(k + 1);
+  const std::size_t first = line.find_first_not_of(" \t"), last = line.find_last_not_of(" \t;");
+  if (!within || first == std::string::npos) return false;
+  const std::string inner = line.substr(first, last - first + 1);
+  return inner.find(';') != std::string::npos ||
+         (inner.find_first_of(" \t") != std::string::npos && inner.find(", ") == std::string::npos);
+}
+
+/// A line of column names: it begins with no number.
+bool is_header(const std::string& line) {
+  const char* first = line.c_str() + std::strspn(line.c_str(), between_cells);
+  char* end = nullptr;
+  std::strtod(first, &end);
+  return end == first;
+}
+
+/// A line that ends with LF, CR LF or CR, without blanks before it; of the first without a byte order mark.
+bool next_profile_line(std::istream& in, std::string& line, int& number) {
+  line.clear();
+  int c = in.get();
+  if (c == std::char_traits<char>::eof()) return false;
+  for (; c != std::char_traits<char>::eof() && c != '\n' && c != '\r'; c = in.get()) line += static_cast<char>(c);
+  if (c == '\r' && in.peek() == '\n') in.get();
+  in.clear();
+  if (++number == 1 && line.rfind("\xef\xbb\xbf", 0) == 0) line.erase(0, 3);
+  line.erase(0, std::min(line.find_first_not_of(" \t"), line.size()));
+  return true;
 }
 
 /// Rows are numbered by whole numbers one by one, and the second column goes one way: it is the lateral coordinate.
@@ -191,14 +235,18 @@ struct WrittenPoint {
   int line;
 };
 
+constexpr double widest_profile = 0.13;  // of railway wheels and rails [m]
+
 /// In the order of y, points that are one merged; what is wrong with them otherwise, at `line`.
 std::string sort_out(std::vector<WrittenPoint>& points, int& line) {
   if (points.size() < 4) return "a profile has at least 4 points, found " + std::to_string(points.size());
   const bool falls = points.front().y > points.back().y;
   if (falls) std::reverse(points.begin(), points.end());
-  // joints of zones are often written twice: points nearer than a micrometre in y are one
-  const auto one = [](const WrittenPoint& a, const WrittenPoint& b) {
-    return std::abs(a.y - b.y) < 1e-6 && std::abs(a.z - b.z) < 2e-6;
+  // joints of zones are often written twice: points nearer than a micrometre in y are one; of a profile in a wrong unit
+  // as much of its width, so that its unit is what is told
+  const double micrometre = 1e-6 * std::max(1.0, std::abs(points.back().y - points.front().y) / widest_profile);
+  const auto one = [&](const WrittenPoint& a, const WrittenPoint& b) {
+    return std::abs(a.y - b.y) < micrometre && std::abs(a.z - b.z) < 2.0 * micrometre;
   };
   points.erase(std::unique(points.begin(), points.end(), one), points.end());
   std::vector<std::size_t> turns;  // of two neighbours the later one in the file
@@ -220,23 +268,26 @@ ProfileFile read_profile(const std::string& text) {
   std::vector<WrittenPoint> points;
   std::vector<Row> rows;
   bool header = true;
-  for (std::string line; std::getline(in, line);) {
-    ++out.line;
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (line.find_first_not_of(" \t") == std::string::npos) continue;
+  for (std::string line; next_profile_line(in, line, out.line);) {
+    if (line.empty()) continue;
     if (line[0] == '#') {
-      if (const double stated = unit_of_comment(line, out.problem); stated > 0.0) unit = stated;
+      const double stated = unit_of_comment(line, out.problem);
+      if (stated > 0.0 && unit > 0.0 && stated != unit) out.problem = "a second unit, which is not the first";
+      if (stated > 0.0) unit = stated;
       if (!out.problem.empty()) return out;
     } else if (unit == 0.0) {
       out.problem = "the first line must state the unit, as in '# unit: mm'";
       return out;
+    } else if (has_decimal_commas(line)) {
+      out.problem = "decimal commas: write points, as in 12.5, found '" + shortened(line) + "'";
+      return out;
     } else if (const auto row = row_of(line)) {
       points.push_back({row->y * unit, row->z * unit, out.line});
       rows.push_back(*row);
-    } else if (header && points.empty()) {
+    } else if (header && points.empty() && is_header(line)) {
       header = false;  // one line of column names
     } else {
-      out.problem = "expected two numbers y, z, found '" + line + "'";
+      out.problem = "expected two numbers y, z, found '" + shortened(line) + "'";
       return out;
     }
   }

@@ -85,6 +85,7 @@ Header read_header(std::string_view bytes, const std::string& file) {
   Header header;
   bool has_format = false;
   text.next_line();
+  ++header.lines;
   text.expect("ply");
   while (text.next_line()) {
     ++header.lines;
@@ -127,7 +128,7 @@ class Values {
  public:
   Values(std::string_view bytes, const Header& header, const std::string& file)
       : order_(header.order),
-        text_(bytes.substr(std::min(header.end, bytes.size())), file),
+        text_(bytes.substr(std::min(header.end, bytes.size())), file, false, header.lines),
         bytes_(bytes),
         at_(header.end),
         file_(file) {}
@@ -137,6 +138,10 @@ class Values {
     do
       if (!text_.next_line()) cut();
     while (text_.line().find_first_not_of(" \t\r") == std::string_view::npos);
+  }
+  /// Behind each element of an ASCII file: a word too many has moved those before it.
+  void end_row() {
+    if (order_ == Order::text) text_.expect_end();
   }
   /// wanted: else it may be no number ("nan" of a quality).
   double next(std::size_t size, bool real, bool is_signed, bool wanted = true) {
@@ -155,10 +160,15 @@ class Values {
     return is_signed && (raw & sign) ? -static_cast<double>(2 * sign - raw) : static_cast<double>(raw);
   }
   double written_precision() const { return text_.written_precision(); }
-  [[noreturn]] void fail(const std::string& what) const { throw SceneError(what, {file_, 0, 0}); }
+  [[noreturn]] void fail(const std::string& what) const {
+    if (order_ == Order::text) text_.fail(what);
+    throw SceneError(what, {file_, 0, 0});
+  }
 
  private:
-  [[noreturn]] void cut() const { fail("the file ends before all elements of its header are read"); }
+  [[noreturn]] void cut() const {
+    throw SceneError("the file ends before all elements of its header are read", {file_, 0, 0});
+  }
   Order order_;
   MeshText text_;
   std::string_view bytes_;
@@ -216,6 +226,7 @@ MeshFile read_ply(std::string_view bytes, const std::string& file, MeshFaces fac
         read_polygon(values, element, surface);
       else
         for (const Property& p : element.properties) read_list(values, p, false);
+      values.end_row();
     }
   return finished_mesh(std::move(surface), file, faces, values.written_precision());
 }

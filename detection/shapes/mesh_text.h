@@ -17,9 +17,12 @@ namespace epafi {
 class MeshText {
  public:
   /// A byte order mark at the beginning and zeros at the end are no text. comments: '#' begins one, and a line that
-  /// ends with a backslash goes on in the next (OBJ).
-  MeshText(std::string_view text, std::string file, bool comments = false)
-      : text_(text.substr(0, text.find_last_not_of('\0') + 1)), file_(std::move(file)), comments_(comments) {
+  /// ends with a backslash goes on in the next (OBJ). before: lines of the file in front of the text.
+  MeshText(std::string_view text, std::string file, bool comments = false, int before = 0)
+      : text_(text.substr(0, text.find_last_not_of('\0') + 1)),
+        file_(std::move(file)),
+        comments_(comments),
+        number_(before) {
     constexpr std::string_view mark = "\xef\xbb\xbf";
     if (text_.starts_with(mark)) at_ = mark.size();
   }

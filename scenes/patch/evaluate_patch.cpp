@@ -9,6 +9,7 @@
 #include <fmt/core.h>
 
 #include "laws/wheel_rail/normal_models.h"
+#include "laws/wheel_rail/tangential/polach.h"
 #include "scenes/patch/patch_contact.h"
 
 namespace epafi {
@@ -97,7 +98,9 @@ void add_tangential(PatchResult& out, const PatchCase& c, const Creepage& creepa
                     const TangentialModel& model, bool maps, const SlipBesidePlane& beside_plane) {
   const bool left = c.profiles && !c.profiles->right;
   const Creepage seen = left ? Creepage{creepage.longitudinal, -creepage.lateral, -creepage.spin} : creepage;
-  const TangentialInput in{rp.patch, c.elastic, c.friction, seen, cells_of(c, rp.patch.ellipse), maps, c.distance};
+  const double slip = c.falling.speed * std::hypot(seen.longitudinal, seen.lateral);
+  const double friction = falling_friction(c.friction, c.falling.limit, c.falling.decay, slip);
+  const TangentialInput in{rp.patch, c.elastic, friction, seen, cells_of(c, rp.patch.ellipse), maps, c.distance};
   TangentialOutcome t = model.solve(in);
   if (left) t = mirrored(std::move(t));
   PatchContact& contact = out.contacts.back();

@@ -28,9 +28,13 @@ struct ProfileCase {
 struct PatchCase {
   std::string title, file;
   ElasticPair elastic;
-  double friction = 0.0;        ///< mu [-]
-  std::optional<double> yield;  ///< shear yield stress k [Pa]
-  NormalTarget target;          ///< load [N] or approach [m]
+  double friction = 0.0;  ///< mu [-], at rest
+  struct Falling {
+    double limit = 1.0, decay = 0.0;  ///< A, B [s/m]
+    double speed = 0.0;               ///< V [m/s]
+  } falling;                          ///< how friction falls with the slip velocity (Polach 2005)
+  std::optional<double> yield;        ///< shear yield stress k [Pa]
+  NormalTarget target;                ///< load [N] or approach [m]
   Creepage creepage;
   double distance = 0.0;           ///< rolled since rest [m]; 0: the length of the patch
   std::optional<Ellipse> ellipse;  ///< semi_axes

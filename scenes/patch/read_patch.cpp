@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 
@@ -12,6 +13,7 @@
 #include "scenes/full_registry.h"
 #include "scenes/patch/patch_case.h"
 #include "scenes/patch/patch_schema.h"
+#include "scenes/railway/plausible.h"
 #include "scenes/railway/profiles.h"
 #include "scenes/reader/file_kind.h"
 #include "scenes/reader/parts.h"
@@ -111,6 +113,7 @@ void check_dimensions(Reading& reading, const TableValues& patch, ProfileCase& c
   const std::pair<const char*, double> all[] = {{"wheel radius", c.track.radius},
                                                 {"gauge", c.track.gauge},
                                                 {"flange_back", c.track.flange_back},
+                                                {"rolling_radius", c.rolling_radius.value_or(0.0)},
                                                 {"lateral_shift", std::abs(c.position.lateral_shift)}};
   for (const auto& [name, value] : all) {
     if (value <= largest) continue;
@@ -118,6 +121,15 @@ void check_dimensions(Reading& reading, const TableValues& patch, ProfileCase& c
         fmt::format("[patch] {} = {:.4g} m: is it in millimetres? write \"{:.4g} mm\"", name, value, value);
     reading.warning(patch.place, text);
     c.doubts.push_back(text);
+  }
+  // wheels are a quarter of their radius wide, rails a twentieth of the gauge; inches called mm make 1/25 of it
+  const std::pair<const char*, std::string> widths[] = {
+      {"wheel_profile", scale_remark(c.wheel.y_max() - c.wheel.y_min(), c.track.radius, 0.03)},
+      {"rail_profile", scale_remark(c.rail.y_max() - c.rail.y_min(), c.track.gauge, 0.008)}};
+  for (const auto& [name, remark] : widths) {
+    if (remark.empty()) continue;
+    reading.warning(patch.place, fmt::format("[patch] {}: {}", name, remark));
+    c.doubts.push_back(fmt::format("{}: {}", name, remark));
   }
 }
 
@@ -204,10 +216,13 @@ void set_geometry(Reading& reading, const TableValues& v, PatchCase& out) {
     reading.error(v.place_of("radii"), "[patch] radii: two flat surfaces have no contact point");
   else if ((x == 0.0 || y == 0.0) && !out.length)
     reading.error(v.place_of("radii"), "[patch] radii: a line contact needs its length (m)");
+  if (!out.length || x == 0.0 || y == 0.0) return;
+  reading.warning(v.place_of("length"), "[patch] length is not used: these radii touch in an ellipse");
+  out.length.reset();
 }
 
 void set_load(Reading& reading, const TableValues& v, PatchCase& out) {
-  if (v.written("load") == v.written("approach"))
+  if (v.meant("load") == v.meant("approach"))
     return reading.error(v.place, "[patch]: write one of load (N) and approach (m)");
   out.target = {v.written("load"), v.written("load") ? v.number_or("load", 0.0) : v.number_or("approach", 0.0)};
   const bool line = out.radii && out.length;
@@ -218,18 +233,23 @@ void set_load(Reading& reading, const TableValues& v, PatchCase& out) {
     reading.error(v.place_of("approach"), "[patch] semi_axes need a load; the approach follows");
 }
 
-void set_friction(Reading& reading, bool needed, const Creepage& creepage, PatchCase& out) {
+void set_friction(Reading& reading, bool needed, PatchCase& out) {
   const Node& table = table_or_empty(reading, "contact");
   const TableValues v = read_table(table, "[contact]", patch_contact_fields(), reading);
   if (!v.has("friction")) {
-    if (needed)
+    if (needed && !v.meant("friction"))
       reading.error({reading.main_file, 1, 1}, "missing key 'friction' in [contact]: a tangential model needs it");
     return;
   }
-  const double slip = v.number_or("speed", 0.0) * std::hypot(creepage.longitudinal, creepage.lateral),
-               A = v.number_or("friction_limit", 1.0);
-  // Polach 2005: mu = mu0 ((1 - A) exp(-B w) + A)
-  out.friction = v.number("friction") * ((1.0 - A) * std::exp(-v.number_or("friction_decay", 0.0) * slip) + A);
+  out.friction = v.number("friction");
+  out.falling = {v.number_or("friction_limit", 1.0), v.number_or("friction_decay", 0.0), v.number_or("speed", 0.0)};
+  constexpr std::array keys{"friction_limit", "friction_decay", "speed"};
+  const bool falls = out.falling.limit < 1.0 && out.falling.decay > 0.0 && out.falling.speed > 0.0;
+  for (const char* key : keys)
+    if (v.written(key) && !falls)
+      reading.warning(v.place_of(key), std::string("[contact] ") + key +
+                                           " has no effect: friction falls with slip where friction_limit < 1, "
+                                           "friction_decay > 0 and speed > 0 are all written");
 }
 
 PatchReading read_document(Document document, const std::string& file) {
@@ -240,7 +260,11 @@ PatchReading read_document(Document document, const std::string& file) {
   if (!document.failed && !report_other_kind(reading, FileKind::patch_case)) {
     PatchCase out;
     out.file = file;
-    if (const Node* title = reading.root.find("title")) out.title = title->text;
+    if (const Node* title = reading.root.find("title")) {
+      if (title->type != Node::Type::text)
+        reading.error(title->place, std::string("title: expected a text, found ") + kind_of(*title));
+      out.title = title->text;
+    }
     check_tables(reading);
     reading.check_params();
     if (const Node* table = find_table(reading, "patch")) {
@@ -260,7 +284,7 @@ PatchReading read_document(Document document, const std::string& file) {
       set_materials(reading, v, out);
       set_geometry(reading, v, out);
       set_load(reading, v, out);
-      set_friction(reading, !out.tangential.empty(), out.creepage, out);
+      set_friction(reading, !out.tangential.empty(), out);
     } else {
       reading.error({file, 1, 1}, "missing table [patch]");
     }

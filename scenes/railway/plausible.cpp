@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -56,6 +57,13 @@ Flange flange_of(const ProfilePoints& p, double sign) {
   return out;
 }
 
+/// Height of the broken line through the points at y = 0.
+double height_at_zero(const ProfilePoints& p) {
+  const std::size_t k = std::max<std::size_t>(1, at_least(p.y, 0.0));
+  const double t = (0.0 - p.y[k - 1]) / (p.y[k] - p.y[k - 1]);
+  return p.z[k - 1] + t * (p.z[k] - p.z[k - 1]);
+}
+
 /// Both ends fall away alike: a ball, or a disc with a round rim.
 bool is_round(const ProfilePoints& p, double sign) {
   const double middle = sign * p.z[at_least(p.y, 0.5 * (p.y.front() + p.y.back()))];
@@ -91,6 +99,11 @@ ProfileRemarks remarks_on_wheel(const ProfilePoints& p) {
         "the points lie from y = {:.4g} to {:.4g} m: y counts from the tape circle, which must "
         "be on the profile",
         p.y.front(), p.y.back());
+  constexpr double most_wear = 10e-3;
+  if (out.problem.empty() && std::abs(height_at_zero(p)) > most_wear)
+    out.problem = fmt::format(
+        "z is {0:.4g} m at the tape circle (y = 0): z is the increase of the radius from there; subtract {0:.4g} m",
+        height_at_zero(p));
   return out;
 }
 
@@ -127,21 +140,52 @@ ProfileRemarks remarks_on_rail(const ProfilePoints& p) {
   return out;
 }
 
-double noise_of(const ProfilePoints& p) {
-  // fourth divided differences: of noise of one variance s^2 on equal steps 70 s^2; the median of a normal
-  // distribution's modulus is 0.6745 of its deviation
-  std::vector<double> all;
-  for (std::size_t k = 2; k + 2 < p.y.size(); ++k) {
-    double sum = 0.0, weight = 0.0;
-    for (std::size_t i = k - 2; i <= k + 2; ++i) {
-      double w = 1.0;
-      for (std::size_t j = k - 2; j <= k + 2; ++j)
-        if (j != i) w /= p.y[i] - p.y[j];
-      sum += w * (p.z[i] - p.z[k]);
-      weight += w * w;
-    }
-    all.push_back(std::abs(sum) / std::sqrt(weight));
+namespace {
+
+/// Fourth divided difference around point k, of weights whose squares sum up to 1.
+struct FourthDifference {
+  std::array<double, 5> weight{};  ///< of the points k - 2 to k + 2
+  double value = 0.0;              ///< [m]
+};
+FourthDifference difference_at(const ProfilePoints& p, std::size_t k) {
+  FourthDifference out;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < 5; ++i) {
+    double w = 1.0;
+    for (std::size_t j = 0; j < 5; ++j)
+      if (j != i) w /= p.y[k + i - 2] - p.y[k + j - 2];
+    out.weight[i] = w;
+    out.value += w * (p.z[k + i - 2] - p.z[k]);
+    squares += w * w;
   }
+  for (double& w : out.weight) w /= std::sqrt(squares);
+  out.value /= std::sqrt(squares);
+  return out;
+}
+
+/// Of the distances between neighbours.
+double middle_step(const ProfilePoints& p) {
+  std::vector<double> steps;
+  for (std::size_t k = 1; k < p.y.size(); ++k) steps.push_back(p.y[k] - p.y[k - 1]);
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+/// What scatter of this size bends a spline by [1/m]: second differences of noise of one variance have sqrt(6) s / h^2.
+double bend_of(double scatter, double step) { return std::sqrt(6.0) * scatter / (step * step); }
+
+/// Wheel and rail bend by 5 /m together, and the peak of Hertz goes with the power 2/3 of about half of that: from 0.7
+/// /m on it is 5 % off.
+constexpr double most_bend = 0.7;
+
+}  // namespace
+
+double noise_of(const ProfilePoints& p) {
+  // of noise of one variance on equal steps a difference has that variance; the median of a normal distribution's
+  // modulus is 0.6745 of its deviation
+  std::vector<double> all;
+  for (std::size_t k = 2; k + 2 < p.y.size(); ++k) all.push_back(std::abs(difference_at(p, k).value));
   if (all.empty()) return 0.0;
   const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
   std::nth_element(all.begin(), middle, all.end());
@@ -150,20 +194,57 @@ double noise_of(const ProfilePoints& p) {
 
 std::string noise_remark(const ProfilePoints& p, double smoothing) {
   if (p.y.size() < 8) return "";
-  std::vector<double> steps;
-  for (std::size_t k = 1; k < p.y.size(); ++k) steps.push_back(p.y[k] - p.y[k - 1]);
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  const double noise = noise_of(p), step = *middle;
-  // second differences of noise of one variance: sqrt(6) s / h^2. Wheel and rail bend by 5 /m together, and the peak of
-  // Hertz goes with the power 2/3 of about half of that: from 0.7 /m on it is 5 % off
-  constexpr double most = 0.7;
-  const double bent = std::sqrt(6.0) * noise / (step * step);
-  if (bent < most || smoothing >= 0.95 * noise) return "";
+  const double noise = noise_of(p), bent = bend_of(noise, middle_step(p));
+  if (bent < most_bend || smoothing >= 0.95 * noise) return "";
   return fmt::format(
       "the points scatter by {:.2g} m, which bends a curve through all of them by {:.2g} /m; smoothing = {:.2g} takes "
       "that away",
       noise, bent, 1.2 * noise);
+}
+
+std::string outlier_remark(const ProfilePoints& p) {
+  if (p.y.size() < 20) return "";
+  std::vector<FourthDifference> all(p.y.size());
+  for (std::size_t k = 2; k + 2 < p.y.size(); ++k) all[k] = difference_at(p, k);
+  const double noise = noise_of(p), step = middle_step(p);
+  // the height e of a point over the curve of the others is the fit of its own pattern to the five differences that it
+  // is in; a kink of a profile leaves a twentieth of their squares, a joint of two arcs more
+  constexpr double alone = 100.0, over_noise = 10.0;
+  double worst = 0.0;
+  std::size_t where = 0;
+  for (std::size_t k = 4; k + 4 < p.y.size(); ++k) {
+    double squares = 0.0, own = 0.0, along = 0.0;
+    for (std::size_t j = k - 2; j <= k + 2; ++j) {
+      const double w = all[j].weight[k + 2 - j], d = all[j].value;
+      squares += d * d;
+      own += w * w;
+      along += w * d;
+    }
+    const double height = std::abs(along / own), left = squares - along * along / own;
+    if (height <= worst || height < over_noise * noise || bend_of(height, step) < most_bend) continue;
+    if (squares < alone * left) continue;
+    worst = height;
+    where = k;
+  }
+  if (worst == 0.0) return "";
+  return fmt::format("the point at y = {:.6g} m stands {:.2g} m off the curve of its neighbours: leave it out",
+                     p.y[where], worst);
+}
+
+std::string smoothing_remark(const ProfilePoints& p, double smoothing) {
+  constexpr double share = 1e-3;  // of the width: 1 % of the peak pressure of S1002 on 60E1
+  const double noise = noise_of(p);
+  if (!(smoothing > share * width_of(p) && smoothing > 2.0 * noise)) return "";
+  return fmt::format(
+      "smoothing = {:.2g} m takes away more than the {:.2g} m by which the points scatter: the curve leaves the "
+      "profile",
+      smoothing, noise);
+}
+
+std::string scale_remark(double width, double beside, double least_share) {
+  if (width >= least_share * beside) return "";
+  return fmt::format("the points span {:.3g} m in y beside {:.3g} m: is the unit of the first line right?", width,
+                     beside);
 }
 
 }  // namespace epafi

@@ -26,5 +26,11 @@ double noise_of(const ProfilePoints& points);
 /// What noise does to the curvature of a spline of this `smoothing` [m], and the smoothing that mends it; empty where
 /// it is little.
 std::string noise_remark(const ProfilePoints& points, double smoothing);
+/// One point off its neighbours as no profile is, which bends a spline through it; empty where there is none.
+std::string outlier_remark(const ProfilePoints& points);
+/// A smoothing that takes away more than the points scatter; empty where it does not.
+std::string smoothing_remark(const ProfilePoints& points, double smoothing);
+/// Points that are narrow beside the wheel's radius or the gauge [m] as none are; empty else.
+std::string scale_remark(double width, double beside, double least_share);
 
 }  // namespace epafi

@@ -39,8 +39,10 @@ Built<ProfilePoints> points_of(const Parameters& p, bool is_wheel, const std::st
   if (!remarks.problem.empty()) return {{}, label + " file '" + path + "': " + remarks.problem, "file"};
   Built<ProfilePoints> out{std::move(file.points)};
   for (const std::string& text : remarks.doubts) out.doubts.push_back(label + ": " + text);
-  const std::string noise = noise_remark(*out.value, p.number_or("smoothing", 0.0));
-  if (!noise.empty()) out.doubts.push_back(label + ": " + noise);
+  const double smoothing = p.number_or("smoothing", 0.0);
+  for (const std::string& text :
+       {noise_remark(*out.value, smoothing), outlier_remark(*out.value), smoothing_remark(*out.value, smoothing)})
+    if (!text.empty()) out.doubts.push_back(label + ": " + text);
   return out;
 }
 

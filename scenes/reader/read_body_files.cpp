@@ -74,8 +74,9 @@ bool Rows::check_header(const Place& place) {
 
 /// A number above 0.
 double Rows::length(const std::string& column) {
+  const std::size_t errors = draft.reading.errors();
   const double value = number(column);
-  if (!(value > 0.0))
+  if (!(value > 0.0) && draft.reading.errors() == errors)
     draft.reading.error(row.at(column).place, "column " + column + " = " + format_number(value) +
                                                   " is outside (0, inf) (" + column +
                                                   (column == "size" ? ", a factor)" : ", in m)"));

@@ -31,7 +31,7 @@ void read_amount(Reading& reading, const TableValues& values, const std::string&
   if (values.has("count")) fill.count = static_cast<std::uint64_t>(values.number("count"));
   fill.mass = values.optional_number("mass");
   fill.full = values.has("until");
-  const int written = values.written("count") + values.written("mass") + values.written("until");
+  const int written = values.meant("count") + values.meant("mass") + values.meant("until");
   if (written != 1) reading.error(values.place, label + ": write exactly one of count, mass, until");
 }
 
@@ -50,7 +50,8 @@ void read_size(Reading& reading, const TableValues& v, const std::string& label,
     bool all = true;
     for (const std::string key : keys) {
       if (v.has("size." + key)) continue;
-      reading.error(v.place_of("size"), label + " size: distribution '" + size.distribution + "' needs " + key);
+      if (!v.meant("size." + key))
+        reading.error(v.place_of("size"), label + " size: distribution '" + size.distribution + "' needs " + key);
       all = false;
     }
     return all;
@@ -93,7 +94,7 @@ void read_pouring(Reading& reading, const TableValues& v, const std::string& lab
   fill.rate = v.number_or("rate", 0.0);
   fill.mass_rate = v.number_or("mass_rate", 0.0);
   fill.from = v.number_or("from", 0.0);
-  if (v.written("rate") + v.written("mass_rate") != 1)
+  if (v.meant("rate") + v.meant("mass_rate") != 1)
     reading.error(v.place, label + ": method 'pour' needs rate (1/s) or mass_rate (kg/s)");
   if (fill.full) reading.error(v.place, label + ": method 'pour' needs count or mass, a region never gets full");
 }

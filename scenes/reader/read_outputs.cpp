@@ -21,7 +21,7 @@ void keep_fields(Reading& reading, const TableValues& values, const Entry& entry
   for (const auto& field : entry.fields) {
     for (const auto& [key, value] : values.all())
       if (belongs(key, field.name)) out.set(key, value);
-    if (!field.optional && !field.default_value && !values.written(field.name)) {
+    if (!field.optional && !field.default_value && !values.meant(field.name)) {
       reading.error(values.place,
                     "missing key '" + field.name + "' in " + label + ": kind '" + entry.name + "' needs it");
     }
@@ -33,6 +33,13 @@ void keep_fields(Reading& reading, const TableValues& values, const Entry& entry
         std::any_of(entry.fields.begin(), entry.fields.end(), [&, &k = key](const Field& f) { return f.name == k; });
     if (!used) reading.warning(place, label + ": " + key + " is not used by kind '" + entry.name + "'");
   }
+}
+
+/// A periodic domain that an error, told at its place, left out.
+bool has_unread_cell(const Draft& draft) {
+  const Node* world = draft.reading.root.find("world");
+  const Node* domain = world ? world->find("domain") : nullptr;
+  return !draft.scene.cell && draft.reading.errors() > 0 && domain && domain->find("periodic");
 }
 
 /// The region that a measure needs, the outlet that it names.
@@ -47,7 +54,8 @@ void check_places(Draft& draft, const TableValues& values, const Entry& entry, c
   const auto& cell = draft.scene.cell;
   const bool endless = cell && cell->cell.repeats == std::array{true, true, true};
   const bool may_do_without = takes(entry, "plane");  // it counts everywhere
-  if (takes_region && !p.has("region.box.min") && !endless && !may_do_without)
+  const bool told = values.meant("region") || has_unread_cell(draft);
+  if (takes_region && !p.has("region.box.min") && !endless && !may_do_without && !told)
     reading.error(values.place, "missing key 'region' in " + label + ": kind '" + entry.name + "' needs it");
   if (p.has("outlet")) {
     std::vector<std::string> names;

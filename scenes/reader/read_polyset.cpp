@@ -54,7 +54,10 @@ void read_polyset(Draft& draft, const BodyFile& file) {
     draft.reading.error(lines.place(), fmt::format("expected {}, found '{}'", expected, lines.text.substr(0, 40)));
   };
   if (!lines.next() || !starts_with(lines.text, "polyset")) return fail("the header 'polyset 1 ...'");
-  while (lines.next()) {
+  const auto header = numbers_of(lines.text, 3);
+  const Place header_place = lines.place();
+  std::size_t bodies = 0;
+  for (; lines.next(); ++bodies) {
     const auto body = numbers_of(lines.text, 13);
     if (!starts_with(lines.text, "b") || body.empty()) return fail("a body 'b' with 13 numbers");
     if (!(body[0] >= 4 && body[0] <= 1e6 && body[1] >= 0 && body[1] <= 1e7)) return fail("4 to 1e6 vertices");
@@ -84,6 +87,9 @@ void read_polyset(Draft& draft, const BodyFile& file) {
     scene.bodies.push_back(std::move(spec));
     ++scene.groups.back().count;
   }
+  if (bodies == 0 || (!header.empty() && header[2] != static_cast<double>(bodies)))
+    draft.reading.error(
+        header_place, fmt::format("the file announces {} bodies and has {}", header.empty() ? 1.0 : header[2], bodies));
 }
 
 }  // namespace epafi

@@ -114,6 +114,7 @@ void read_file_rows(RowReader& out, const std::string& path, const Place& from,
   out.reading.files.push_back(path);
   if (!in) return out.reading.error(from, out.label + ": the file '" + path + "' does not exist or cannot be read");
   std::optional<Columns4> at;
+  std::size_t width = 0;
   std::string line;
   for (int number = 0; next_text_line(in, line, number);) {
     if (line.find_first_not_of(" \t") == std::string::npos || line[0] == '#') continue;
@@ -122,8 +123,13 @@ void read_file_rows(RowReader& out, const std::string& path, const Place& from,
     if (!at) {
       at = find_columns(out, cells, columns, place);
       if (!at) return;
+      width = cells.size();
       continue;
     }
+    if (cells.size() > width)
+      return out.reading.error(
+          place, out.label + fmt::format(": expected {} columns, found {} (numbers have a decimal point, no comma)",
+                                         width, cells.size()));
     std::array<double, 4> row{};
     for (std::size_t k = 0; k < 4; ++k) {
       if (!(*at)[k]) continue;

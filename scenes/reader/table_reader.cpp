@@ -235,6 +235,7 @@ void read_nested(const Node& node, const Key& key, TableValues& out) {
   const TableValues inner = read_table(node, key.label, key.field.fields, key.reading);
   for (const auto& [name, value] : inner.all()) out.set(key.field.name + "." + name, value);
   for (const auto& [name, place] : inner.places) out.places[key.field.name + "." + name] = place;
+  for (const auto& name : inner.misspelt) out.misspelt.insert(key.field.name + "." + name);
 }
 
 }  // namespace
@@ -255,6 +256,7 @@ TableValues read_table(const Node& table, const std::string& label, const std::v
         std::find_if(fields.begin(), fields.end(), [&, &key = name](const Field& f) { return f.name == key; });
     if (field == fields.end()) {
       reading.error(place, "unknown key '" + name + "' in " + label + suggestion(name, known, "known keys"));
+      if (const auto meant = nearest(name, known)) out.misspelt.insert(*meant);
       continue;
     }
     out.places[name] = value.place;
@@ -270,7 +272,7 @@ TableValues read_table(const Node& table, const std::string& label, const std::v
     if (out.written(field.name)) continue;
     if (field.default_value)
       out.set(field.name, *field.default_value);
-    else if (!field.optional)
+    else if (!field.optional && !out.meant(field.name))
       reading.error(table.place, "missing key '" + field.name + "' in " + label + " " + about(field));
   }
   return out;

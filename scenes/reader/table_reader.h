@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -62,9 +63,12 @@ class Reading {
 /// The values of a table and where they stand.
 struct TableValues : Parameters {
   std::map<std::string, Place> places;  ///< of written keys only
+  std::set<std::string> misspelt;       ///< keys that an unknown one was most likely meant for
   Place place;                          ///< of the table
 
   bool written(const std::string& name) const { return places.count(name) != 0; }
+  /// Written or misspelt: whatever is wrong with it has been told, it is not missing.
+  bool meant(const std::string& name) const { return written(name) || misspelt.count(name) != 0; }
   Place place_of(const std::string& name) const { return written(name) ? places.at(name) : Place{}; }
   Placed<double> placed_number(const std::string& name, double otherwise = 0.0) const {
     return {number_or(name, otherwise), place_of(name)};

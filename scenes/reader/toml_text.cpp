@@ -4,6 +4,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <optional>
 #include <sstream>
 
 namespace epafi {
@@ -54,6 +55,18 @@ Node convert(const toml::node& from, const std::string& file) {
   return node;
 }
 
+/// Where a key or text holds a zero, at which names of files and printed messages end; empty where none does.
+std::optional<Place> zero_in(const Node& node) {
+  if (node.text.find('\0') != std::string::npos) return node.place;
+  for (const Node& item : node.items)
+    if (auto found = zero_in(item)) return found;
+  for (const Member& member : node.members) {
+    if (member.key.find('\0') != std::string::npos) return member.place;
+    if (auto found = zero_in(member.value)) return found;
+  }
+  return std::nullopt;
+}
+
 void move_to(Node& node, const Place& place) {
   node.place = place;
   node.quoted_inline = false;
@@ -68,7 +81,10 @@ void move_to(Node& node, const Place& place) {
 
 ParsedToml parse_toml(const std::string& text, const std::string& file) {
   try {
-    return {convert(toml::parse(text, file), file), {}};
+    Node root = convert(toml::parse(text, file), file);
+    if (const auto zero = zero_in(root))
+      return {{}, {Problem::Level::error, *zero, "the character U+0000 is no part of a text"}};
+    return {std::move(root), {}};
   } catch (const toml::parse_error& e) {
     return {{}, {Problem::Level::error, place_of(e.source(), file), std::string(e.description())}};
   }

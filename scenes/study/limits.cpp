@@ -246,8 +246,8 @@ struct Seeker {
 LimitMap run_limits(const Study& study, const fs::path& folder, int jobs,
                     const std::function<void(const std::string&)>& say) {
   if (study.parameters.empty() || study.parameters.size() > 2)
-    throw SceneError(study.file +
-                     ": a limits study has one or two parameters; write parameter = { key =, from =, to = }");
+    throw SceneError("a limits study has one or two parameters; write parameter = { key =, from =, to = }",
+                     {study.file, 1, 1});
   Study whole = study;
   if (whole.methods.empty()) whole.methods.push_back({"scene", {}});
   Seeker seeker{whole, folder, jobs, say, {study.program, study.threads, study.time_limit, true}, {}};

@@ -95,7 +95,7 @@ LimitCase judge_patch_case(const Study& study, std::size_t method, const std::ve
 Chart run_patch_chart(const Study& study, const std::function<void(const std::string&)>& say) {
   static const std::vector<std::string> known{"pressure", "area", "force", "patch"};
   if (std::find(known.begin(), known.end(), study.error.name) == known.end())
-    throw SceneError(study.file + ": error = '" + study.error.name + "' is none of pressure, area, force, patch");
+    study.error.refuse(study.file, "pressure, area, force or patch");
   if (!study.has_reference)
     throw SceneError(study.file +
                      ": a study of a patch needs a reference, for example the half-space method on a fine grid");

@@ -108,6 +108,7 @@ struct StudyReader {
   void read_error(const Node& node, ErrorSpec& error) {
     if (node.type == Node::Type::text) {
       error.name = node.text;
+      error.place = node.place;
       return;
     }
     if (node.type != Node::Type::table)
@@ -123,8 +124,8 @@ struct StudyReader {
                    reading);
     if (!v.has("measure")) return;
     const auto word = [&](const char* key) { return v.has(key) ? v.text(key) : std::string{}; };
-    error = {v.text("measure"),          word("component"),     v.text("statistic"),
-             v.optional_number("exact"), v.boolean("relative"), word("label")};
+    error = {v.text("measure"),     word("component"), v.text("statistic"), v.optional_number("exact"),
+             v.boolean("relative"), word("label"),     node.place};
   }
 
   void read_axis(const Node& node) {
@@ -267,6 +268,11 @@ std::string ErrorSpec::axis_label() const {
   if (name == "distance") return "distance of the bodies from the reference [m]";
   if (name == "depth") return "error of distance or depth / size and coordinates";
   return std::string(relative ? "relative error: " : "error: ") + name + (component.empty() ? "" : ", " + component);
+}
+
+void ErrorSpec::refuse(const std::string& study_file, const std::string& known) const {
+  if (place.line == 0) throw SceneError("missing key 'error': write " + known, {study_file, 1, 1});
+  throw SceneError("unknown error '" + name + "'; write " + known, place);
 }
 
 std::string StudyMethod::settings() const {

@@ -36,8 +36,7 @@ void check_error(const ErrorSpec& error, const Scene& scene, const std::string& 
                      std::any_of(scene.measures.begin(), scene.measures.end(),
                                  [&](const MeasureSpec& m) { return m.name == error.name; });
   if (!known)
-    throw SceneError("error = '" + error.name + "' is no measure of " + file +
-                     "; write overlap, energy, residual, momentum, distance or the name of a [[measure]]");
+    error.refuse(file, "overlap, energy, residual, momentum, distance or the name of a [[measure]] of the scene");
 }
 
 /// Every case must be a scene before the first is run; says whether the scene asks for an accuracy.
@@ -51,8 +50,8 @@ bool check_cases(const Study& study) {
     const ReadResult read = read_scene(study.scene, overrides, full_registry());
     if (!read.scene) throw SceneError(read.problems);
     asks = asks || !read.scene->accuracy.empty();
-    check_error(study.error, *read.scene, study.scene);
-    for (const ErrorSpec& e : study.more_errors) check_error(e, *read.scene, study.scene);
+    check_error(study.error, *read.scene, study.file);
+    for (const ErrorSpec& e : study.more_errors) check_error(e, *read.scene, study.file);
   }
   return asks;
 }

@@ -24,7 +24,10 @@ struct ErrorSpec {
   std::optional<double> exact;     ///< closed form or published value; else the reference run, else 0
   bool relative = false;           ///< divided by the exact or reference value
   std::string label;               ///< of the axis, with the unit; empty: made from the rest
+  Place place{};                   ///< where it is written; line 0: nowhere
   std::string axis_label() const;
+  /// It is none of `known`, or is not there: with its place in the study.
+  [[noreturn]] void refuse(const std::string& study_file, const std::string& known) const;
 };
 
 /// A value of `limits` that is scanned, or bisected for its last good value.

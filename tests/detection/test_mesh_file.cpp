@@ -193,8 +193,10 @@ TEST_CASE("broken PLY files are refused with the reason", "[detection][mesh-file
        "a.ply:4:1: error: element 'vertex' has no property"},  // would be 96 GB of corners
       {"ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n",
        "a.ply:5:1: error: the header announces at least 16000000000 bytes of data, the file has 0"},
-      {head + corners + "3 0 1 3\n", "a.ply: error: vertex index 3 is out of range: 3 vertices"},
-      {head + corners + "2 0 1\n", "a.ply: error: a face needs at least 3 vertices, found 2"},
+      {head + corners + "3 0 1 3\n", "a.ply:13:7: error: vertex index 3 is out of range: 3 vertices"},
+      {head + "0 0 0\n1 0,5 0\n0 1 0\n3 0 1 2\n", "a.ply:11:3: error: expected a number, found '0,5'"},
+      {head + "0 0 0\n1 9 0 0\n0 1 0\n3 0 1 2\n", "a.ply:11:7: error: expected the end of the line, found '0'"},
+      {head + corners + "2 0 1\n", "a.ply:13:5: error: a face needs at least 3 vertices, found 2"},
       {head + corners + "3 0 0 0\n", "a.ply: error: the mesh has no triangle with an area"}};
   for (const auto& [text, message] : broken) CHECK_THROWS_WITH(read_ply(text, "a.ply"), Equals(message));
 }

@@ -1,4 +1,5 @@
 // Profiles and the rigid contact of wheel and rail against published definitions, independent tables and geometry.
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -87,6 +88,47 @@ TEST_CASE("what is wrong with a profile file is named with its line", "[detectio
   CHECK(bad.problem.find("expected two numbers") != std::string::npos);
   CHECK(read_profile("# unit: mm\n0,0\n1,0\n0.5,0\n2,1\n").problem.find("undercut") != std::string::npos);
   CHECK(read_profile("# unit: mm\n0,0\n1,0\n").problem.find("at least 4 points") != std::string::npos);
+}
+
+TEST_CASE("a profile file is read as it was meant, or the line that could be meant otherwise is named",
+          "[detection][wheel_rail]") {
+  const auto says = [](const std::string& text, const std::string& expected, int line) {
+    const ProfileFile file = read_profile(text);
+    INFO(text << "\n" << file.problem);
+    CHECK(file.problem.find(expected) != std::string::npos);
+    CHECK(file.line == line);
+    CHECK(file.problem.size() < 200);
+  };
+  Random random(12, 0);
+  const auto rows = [&](const std::string& between, char point, const std::string& end) {
+    std::string text;
+    for (int k = -20; k <= 20; ++k) {
+      std::string row =
+          std::to_string(k + random.uniform(0.0, 0.5)) + between + std::to_string(random.uniform(0.0, 9.0));
+      std::replace(row.begin(), row.end(), '.', point);
+      text += row + end;
+    }
+    return text;
+  };
+  for (const char* between : {";", "; ", "\t", " "}) {
+    says("# unit: mm\n" + rows(between, ',', "\n"), "decimal commas", 2);
+    says("# unit: mm\n-20;0\n-19,5;1\n", "decimal commas", 3);
+    for (const char* end : {"\n", "\r\n", "\r", " \n"}) {
+      const std::string text = "# unit: mm" + std::string(end) + rows(between, '.', end);
+      for (const char* before : {"", "\xef\xbb\xbf", "  "}) {
+        const ProfileFile file = read_profile(before + text);
+        INFO(before << text << file.problem);
+        CHECK(file.problem.empty());
+        CHECK(file.points.y.size() == 41);
+      }
+    }
+  }
+  const std::string more = "1,0\n2,0\n3,0\n4,0\n";
+  says("# unit: mm\n-70,abc\n" + more, "expected two numbers", 2);  // was taken for names of columns
+  says("# unit: mm\n0.0mm,1\n" + more, "expected two numbers", 2);
+  says("# unit: mm\n0,0\n" + more + "5,1.5.3\n", "expected two numbers", 7);
+  says("# unit: mm\n# unit: m\n0,0\n" + more, "a second unit", 2);
+  CHECK(read_profile("# unit: mm\ny [mm];z [mm]\n0;0;0.1;inf\n" + more).problem.empty());
 }
 
 TEST_CASE("where y turns back in a profile file the first such line is named, in either direction",

@@ -1,7 +1,11 @@
 // Scenes at the edge of what makes sense have defined results; a state that breaks is reported at its step, by its
 // body.
+#include <fmt/format.h>
+
+#include <cmath>
 #include <limits>
 
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 
@@ -142,4 +146,30 @@ TEST_CASE("denormal speeds and tiny gaps neither stop a run nor grow", "[physics
     const World& w = run.simulation().world;
     CHECK(w.velocity[w.slot_of(static_cast<BodyId>(1))].norm() < 1e-309);
   }
+}
+
+TEST_CASE("lengths and masses beyond measure are refused before the first step", "[physics][failure]") {
+  // boxes of 1e155 m ended in signal 11; a sphere of infinite mass stood in the air as a fixed one; rods of 1 : 1e9
+  // lost their least moment to rounding and were not finite after a step
+  const auto refused = [](const std::string& form) {
+    const std::string body =
+        "[[body]]\nname = \"b\"\nshape = { " + form + " }\nmaterial = \"bead\"\nposition = [0, 0, 1]\n";
+    try {
+      start_text(run_table + gravity + ground + body, {method("nonsmooth")});
+    } catch (const SceneError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string mass = "expected positive numbers", reach = "from its centre; expected 1e-60 to 1e+60 m";
+  CHECK_THAT(refused("sphere = { radius = 1e110 }"), Catch::Contains(reach));
+  CHECK_THAT(refused("sphere = { radius = 1e-110 }"), Catch::Contains(reach));
+  Random random(7, 0);
+  for (int k = 0; k < 20; ++k) {
+    const double huge = std::pow(10.0, random.uniform(61.0, 300.0)), long_ = std::pow(10.0, random.uniform(9.0, 20.0));
+    CHECK_THAT(refused(fmt::format("box = {{ size = [1, {}, 1] }}", huge)), Catch::Contains(reach));
+    CHECK_THAT(refused(fmt::format("capsule = {{ radius = 1, length = {} }}", huge)), Catch::Contains(reach));
+    CHECK_THAT(refused(fmt::format("box = {{ size = [{}, 0.1, 0.1] }}", long_)), Catch::Contains(mass));
+  }
+  CHECK(refused("box = { size = [1e5, 0.1, 0.1] }").empty());
 }

@@ -1,6 +1,8 @@
 // Bodies from files of other programs: the layouts that LAMMPS, LIGGGHTS and YADE write.
+#include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -175,4 +177,42 @@ motion = { file = "base.csv", of = "displacement" }
   fs::remove_all(folder);
   INFO(message(read));
   CHECK(read.scene.has_value());
+}
+
+TEST_CASE("a list of polyhedra that lacks bodies, and a cell that is no number, are told once", "[scenes][reader]") {
+  std::string body = "b 4 0 1 1 1 1 0 0 0 1 0 0 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n", many;
+  for (int n = 1; n <= 4; ++n) {
+    many += body;
+    const auto whole = read_bodies("p.polyset", "polyset 1 7 " + std::to_string(n) + " 1.6\n" + many);
+    INFO(message(whole));
+    REQUIRE(whole.scene);
+    CHECK(whole.scene->bodies.size() == static_cast<std::size_t>(n));
+    const auto cut = read_bodies("p.polyset", "polyset 1 7 " + std::to_string(n + 1) + " 1.6\n" + many);
+    CHECK_FALSE(cut.scene);
+    CHECK(message(cut) == fmt::format("p.polyset:1: the file announces {} bodies and has {}\n", n + 1, n));
+  }
+  std::string lines = "polyset 1 7 4 1.6\n" + many;
+  std::replace(lines.begin(), lines.end(), '\n', '\r');  // one line to us: no body was read of it, and all seemed fine
+  CHECK_FALSE(read_bodies("p.polyset", lines).scene);
+  const auto bad = read_bodies("b.csv", "x,y,z,radius\n0,0,0,0.1abc\n");
+  CHECK(message(bad) == "b.csv:2: column radius: expected a number, found '0.1abc'\n");
+}
+
+TEST_CASE("a row of a motion's file with more cells than its header is refused", "[scenes][reader]") {
+  // 15.9,5,-296,327 gave x = 5 where -296 was meant, and decimal commas as much
+  const fs::path file = fs::temp_directory_path() / fmt::format("epafi-motion-{}.csv", ::getpid());
+  const auto errors_with = [&](const std::string& rows) {
+    std::ofstream(file) << rows;
+    const ReadResult read = read_scene_text(
+        "run = { duration = 1.0 }\ncontact = { method = \"smooth\", restitution = 0.5, friction = 0.1 }\n"
+        "material.m = { density = 2500.0, youngs_modulus = 1e6, poissons_ratio = 0.3 }\n"
+        "[[body]]\nname = \"p\"\nmaterial = \"m\"\nshape = { sphere = { radius = 1 } }\nmotion = { file = \"" +
+            file.string() + "\", of = \"displacement\" }\n",
+        "scene.toml", {}, full_registry());
+    return message(read);
+  };
+  CHECK(errors_with("t,x,y,z\n0,0,0,0\n1,1,0,0\n") == "");
+  CHECK_THAT(errors_with("t,x,y,z\n0,0,0,0\n1,5,1,0,0\n"), Catch::Contains(":3: ") && Catch::Contains("found 5"));
+  CHECK_THAT(errors_with("t,x\n0,0\n0,5,1\n"), Catch::Contains("decimal point"));
+  fs::remove(file);
 }

@@ -384,3 +384,52 @@ TEST_CASE("finite elements say how far they miss two hills of pressure", "[scene
   const double off = std::abs(both[1].max_pressure / both[0].max_pressure - 1.0);
   CHECK(off <= both[1].error_estimate + 2.0 * both[0].error_estimate);
 }
+
+TEST_CASE("without friction no model of steady rolling has a force, with hardly any all have Coulomb's",
+          "[scenes][wheel_rail]") {
+  // FASTSIM's flexibility was 0/0 where mu N is: forces that were no numbers
+  std::mt19937 random(5);
+  const auto in = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  for (const double friction : {0.0, 1e-9, 1e-12}) {
+    const std::string text = fmt::format(
+        "[material.s]\nshear_modulus = 82e9\npoissons_ratio = 0.28\n[contact]\nfriction = {}\n[patch]\nload = 8e4\n"
+        "semi_axes = {{ a = {}, b = {} }}\ncreepage = {{ longitudinal = {}, lateral = {} }}\ntangential = "
+        "[\"fastsim\", "
+        "\"fastsim-elliptic\", \"fastrip\", \"shen-hedrick-elkins\", \"polach\", \"coulomb\", \"half-space\"]\n",
+        friction, in(3e-3, 8e-3), in(3e-3, 8e-3), in(1e-3, 1e-2), in(1e-3, 1e-2));
+    INFO(text);
+    const PatchReading reading = read_patch_text(text, "case.toml", {});
+    REQUIRE(reading.patch);
+    for (const PatchResult& r : evaluate_patch(*reading.patch)) {
+      INFO(r.tangential);
+      CHECK(std::hypot(r.force.fx, r.force.fy) == Approx(friction * 8e4).epsilon(0.02).margin(0.0));
+    }
+  }
+}
+
+TEST_CASE("friction falls with the slip of a rolling wheelset as with a given creepage", "[scenes][wheel_rail]") {
+  // of full slip the wear number over the force is the creepage; friction stayed at rest where it was not given
+  const std::string wheelset =
+      "[shape.wheel]\nwheel_profile = { name = \"s1002\" }\n[shape.rail]\nrail_profile = { name = \"uic60\", cant = "
+      "0.025 }\n[patch]\nload = 60e3\ntangential = \"coulomb\"\n";
+  std::mt19937 random(9);
+  const auto in = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  for (int n = 0; n < 20; ++n) {
+    const double limit = in(0.1, 0.9), decay = in(0.1, 1.0), speed = in(5.0, 60.0);
+    const std::string text =
+        head + fmt::format("friction_limit = {}\nfriction_decay = {}\nspeed = {}\n", limit, decay, speed) + wheelset +
+        fmt::format("lateral_shift = {}\nyaw = {}\nrolling_radius = {}\n", in(-4e-3, 4e-3), in(-0.02, 0.02),
+                    in(0.40, 0.52)) +
+        (n % 2 ? fmt::format("creepage = {{ longitudinal = {}, lateral = {} }}\n", in(-0.1, 0.1), in(-0.1, 0.1)) : "");
+    INFO(text);
+    const PatchReading reading = read_patch_text(text, "case.toml", {});
+    REQUIRE(reading.patch);
+    CHECK(reading.problems.empty());
+    const PatchResult r = evaluate_patch(*reading.patch).front();
+    const double force = std::hypot(r.force.fx, r.force.fy), slip = speed * r.wear_number / force;
+    CHECK(force / r.normal_force == Approx(0.3 * ((1.0 - limit) * std::exp(-decay * slip) + limit)).epsilon(1e-6));
+  }
+  const PatchReading idle = read_patch_text(head + "friction_decay = 0.6\n" + wheelset, "case.toml", {});
+  REQUIRE(idle.problems.size() == 1);
+  CHECK_THAT(idle.problems[0].to_string(), Catch::Contains("friction_decay has no effect"));
+}

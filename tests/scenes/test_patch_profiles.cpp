@@ -242,3 +242,42 @@ TEST_CASE("a flank that the cant sets upright or lets overhang is left out", "[s
   const double exact = at(std::atan(0.05)).max_pressure;
   for (const double cant : {0.0499, 0.05}) CHECK(at(cant).max_pressure == Approx(exact).epsilon(0.002));
 }
+
+TEST_CASE("one point off a profile, too much smoothing and inches for millimetres are told, sound profiles are not",
+          "[scenes][wheel_rail]") {
+  const ProfilePoints wheel = *built_in_profile("s1002"), rail = *built_in_profile("uic60");
+  std::mt19937 random(3);
+  const auto in = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  const auto doubts_of = [&](const ProfilePoints& p, const std::string& more) {
+    const PointsFile file(p);
+    const PatchReading r = reading_of("[shape.wheel]\nwheel_profile = { file = \"" + file.path() + "\"" + more +
+                                          " }\n[shape.rail]\nrail_profile = { name = \"uic60\", cant = 0.025 }\n",
+                                      "load = 60e3\nlateral_shift = 3e-3\n");
+    REQUIRE(r.patch);
+    std::string all;
+    for (const std::string& text : r.patch->profiles->doubts) all += text + "\n";
+    return all;
+  };
+  CHECK(doubts_of(wheel, "") == "");
+  for (int n = 0; n < 20; ++n) {
+    ProfilePoints one = wheel;
+    const double place = in(-0.03, 0.05);  // tread and fillet
+    const auto k = static_cast<std::size_t>(std::lower_bound(wheel.y.begin(), wheel.y.end(), place) - wheel.y.begin());
+    const double step = 0.5 * (wheel.y[k + 1] - wheel.y[k - 1]);
+    one.z[k] += (n % 2 ? 1.0 : -1.0) * in(500.0, 5000.0) * step * step;
+    INFO(wheel.y[k] << " " << one.z[k] - wheel.z[k] << " " << step);
+    CHECK_THAT(outlier_remark(one), Catch::Contains(fmt::format("the point at y = {:.6g} m", wheel.y[k])));
+  }
+  for (const ProfilePoints& sound : {wheel, rail, canted_rail(rail, 0.025), *built_in_profile("60e1")})
+    CHECK(outlier_remark(sound) == "");
+  CHECK_THAT(doubts_of(wheel, ", smoothing = \"1 mm\""), Catch::Contains("the curve leaves the profile"));
+  CHECK_THAT(doubts_of(changed(wheel, 1 / 25.4, 0.0, 1 / 25.4), ""), Catch::Contains("is the unit"));
+  const PointsFile radii([&] {
+    ProfilePoints p = wheel;
+    for (double& z : p.z) z += 0.46;
+    return p;
+  }());
+  const PatchReading r = reading_of(wheel_and_rail(radii.path(), "uic60"), "load = 60e3\n");
+  CHECK_FALSE(r.patch);
+  CHECK_THAT(all_problems(r), Catch::Contains("subtract 0.46 m"));
+}

@@ -347,7 +347,7 @@ TEST_CASE("a chart of a wheel-rail case has Hertz' errors against boundary eleme
   CHECK_THAT(linear.kind, Catch::Contains("wrong and flagged") || Catch::Contains("wrong and not flagged"));
 
   CHECK_THROWS_WITH(run_patch_chart(read_study(write(folder, head + vary + "error = \"drift\"\n"), {}), silent),
-                    Catch::Contains("'drift' is none of pressure, area, force, patch"));
+                    Catch::Contains("unknown error 'drift'; write pressure, area, force or patch"));
   CHECK_THROWS_WITH(
       run_patch_chart(read_study(write(folder, "scene = \"case.toml\"\nerror = \"area\"\n" + vary), {}), silent),
       Catch::Contains("needs a reference"));

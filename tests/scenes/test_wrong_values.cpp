@@ -1,6 +1,8 @@
 // Every key of the scene file meets every kind of value: taken or refused, nothing else.
 #include <algorithm>
+#include <cctype>
 #include <map>
+#include <utility>
 
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
@@ -76,4 +78,91 @@ TEST_CASE("every key of every table takes or refuses every kind of value", "[sce
     }
   CAPTURE(taken, refused);
   CHECK((taken > 80 && refused > 2000));
+}
+
+namespace {
+
+const std::string sound_scene = R"([run]
+duration = 1
+time_step = 1e-3
+[material.a]
+density = 1000
+youngs_modulus = 1e6
+poissons_ratio = 0.3
+[contact]
+method = "smooth"
+restitution = 0.5
+friction = 0.3
+[[fill]]
+shape = { sphere = { radius = 0.1 } }
+material = "a"
+count = 3
+size = { distribution = "uniform", min = 0.9, max = 1.1 }
+region = { box = { min = [0, 0, 2], max = [9, 9, 9] } }
+[[fill]]
+name = "rain"
+shape = { sphere = { radius = 0.1 } }
+material = "a"
+count = 3
+method = "pour"
+rate = 10
+region = { box = { min = [0, 0, 2], max = [9, 9, 9] } }
+[[measure]]
+name = "share"
+kind = "solid_fraction"
+region = { box = { min = [0, 0, 2], max = [9, 9, 9] } }
+)";
+
+std::vector<std::string> errors_of(const std::string& text) {
+  std::vector<std::string> all;
+  for (const Problem& p : read_scene_text(text, "scene.toml", {}, full_registry()).problems)
+    if (p.level == Problem::Level::error) all.push_back(p.to_string());
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("a key that is misspelt, or whose value is wrong, is told once and not as missing", "[scenes][reader]") {
+  CHECK(errors_of(sound_scene).empty());
+  for (const std::string key : {"duration", "time_step", "density", "method", "shape", "material", "count",
+                                "distribution", "min", "max", "region", "box", "rate", "kind", "radius", "name"}) {
+    for (std::size_t at = sound_scene.find(key + " = "); at != std::string::npos;
+         at = sound_scene.find(key + " = ", at + 1)) {
+      if (at > 0 && std::isalnum(static_cast<unsigned char>(sound_scene[at - 1]))) continue;
+      std::string text = sound_scene;
+      text.insert(at, 1, key[0]);  // its first letter twice
+      const auto errors = errors_of(text);
+      INFO(text);
+      CAPTURE(errors);
+      REQUIRE(errors.size() == 1);
+      CHECK_THAT(errors[0], Catch::Contains("unknown key '" + key.substr(0, 1) + key + "'") &&
+                                Catch::Contains("did you mean '" + key + "'?"));
+    }
+  }
+  const std::pair<const char*, const char*> wrong[] = {
+      {"max = 1.1", "max = \"2 m/s\""},  {"min = 0.9", "min = true"},  {"count = 3", "count = nan"},
+      {"rate = 10", "rate = []"},        {"[0, 0, 2]", "[0, nan, 2]"}, {"radius = 0.1", "radius = \"\""},
+      {"duration = 1", "duration = inf"}};
+  for (const auto& [right, written] : wrong) {
+    for (std::size_t at = sound_scene.find(right); at != std::string::npos; at = sound_scene.find(right, at + 1)) {
+      std::string text = sound_scene;
+      text.replace(at, std::string(right).size(), written);
+      INFO(text);
+      CHECK(errors_of(text).size() == 1);
+    }
+  }
+}
+
+TEST_CASE("a zero in a text is told where it stands", "[scenes][reader]") {
+  // messages ended at it, and with them what was allowed
+  for (const std::string key : {"duration", "density", "method", "shape", "material", "count", "kind", "name"}) {
+    std::string text = sound_scene;
+    const std::size_t at = text.find("\n" + key + " = ") + key.size() + 4;
+    text.replace(at, text.find('\n', at) - at, "\"a\\u0000b\"");
+    const auto errors = errors_of(text);
+    INFO(text);
+    CAPTURE(errors);
+    REQUIRE(errors.size() == 1);
+    CHECK_THAT(errors[0], Catch::Contains("the character U+0000") && Catch::Contains("scene.toml:"));
+  }
 }

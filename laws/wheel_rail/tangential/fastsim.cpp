@@ -30,7 +30,9 @@ Flexibility kalker_flexibility(const RollingCase& c, const KalkerCoefficients& k
   if (!(x + y + s > 0.0)) return three;
   const double one = std::hypot(x, y + s) / std::hypot(x / three.longitudinal, y / three.lateral + s / three.spin);
   if (rule == FlexibilityRule::one) return {one, one, one};
-  const double rho = saturation(c, k), r = rho * rho * rho * rho, share = r / (1.0 + r);
+  // without friction nothing sticks and the saturation has no bound
+  constexpr double all_slides = 1e3;
+  const double rho = saturation(c, k), r = rho * rho * rho * rho, share = rho < all_slides ? r / (1.0 + r) : 1.0;
   const auto mix = [&](double own) { return 1.0 / ((1.0 - share) / own + share / one); };
   return {mix(three.longitudinal), mix(three.lateral), mix(three.spin)};
 }
