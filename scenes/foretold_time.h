@@ -30,6 +30,7 @@ inline constexpr double nonsmooth_sphere = 0.5e-6;
 inline constexpr double nonsmooth_polyhedron = 5e-6;
 inline constexpr double sweep_sphere = 0.12e-6;  // with its three contacts
 inline constexpr double sweep_polyhedron = 0.16e-6;
+inline constexpr double read_contacts = 0.4e-6;    // a measure that reads all contacts of a packing, a body
 inline constexpr double loop_time = 0.70e-3;       // of machine_speed()
 inline constexpr double bodies_of_a_thread = 512;  // loops of fewer are not shared out
 
@@ -46,6 +47,7 @@ struct RunCounts {
   double sweeps = 0.0;                     ///< of a non-smooth solver in a step of a packing; 0: smooth
   double loose = 0.0;                      ///< share of the contacts of a packing that are still to come, in [0, 1]
   double falling = 0.0;                    ///< share of the run until they have come, in [0, 1]
+  double reading = 0.0;                    ///< measures that read contacts in a step, on average
 };
 
 /// What the first steps took.
@@ -67,9 +69,9 @@ namespace foretold {
 
 /// Of one step of all bodies in a packing.
 inline double packed_step(const RunCounts& run) {
-  const double others = run.bodies - run.polyhedra;
-  if (!(run.sweeps > 0.0)) return others * run.other + run.polyhedra * smooth_polyhedron;
-  return others * (nonsmooth_sphere + run.sweeps * sweep_sphere) +
+  const double others = run.bodies - run.polyhedra, read = run.reading * run.bodies * read_contacts;
+  if (!(run.sweeps > 0.0)) return read + others * run.other + run.polyhedra * smooth_polyhedron;
+  return read + others * (nonsmooth_sphere + run.sweeps * sweep_sphere) +
          run.polyhedra * (nonsmooth_polyhedron + run.sweeps * sweep_polyhedron);
 }
 

@@ -80,4 +80,25 @@ void Progress::finish(Simulation& sim, const RunMonitor& monitor) {
   if (terminal_) std::fprintf(stderr, "\n");
 }
 
+void report_late_sources(const Assembly& a) {
+  constexpr double share = 0.02;  // a body waits for its place for some steps
+  Simulation& sim = *a.simulation;
+  for (const PourBodies* source : a.sources) {
+    const std::uint64_t due = source->due(sim.world), came = source->poured();
+    const double behind = static_cast<double>(due) - static_cast<double>(came);
+    if (behind <= 2.0 + share * static_cast<double>(due)) continue;
+    sim.warnings.add(
+        {.kind = "source " + source->setup().name,
+         .text = fmt::format("[[fill]] '{}' is slower than its rate: {} bodies have come, {} were due; what "
+                             "came before leaves too little room in its region (a larger region, a "
+                             "velocity or a lower rate does)",
+                             source->setup().name, came, due),
+         .first_step = sim.steps(),
+         .first_time = sim.world.time,
+         .worst_step = sim.steps(),
+         .value = behind,
+         .times = 1});
+  }
+}
+
 }  // namespace epafi

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <string>
 
-#include "engine/step/simulation.h"
+#include "scenes/assemble.h"
 #include "scenes/monitor.h"
 
 namespace epafi {
@@ -32,5 +32,9 @@ class Progress {
 
 /// "3:07" or "2:15:30".
 std::string clock_text(double seconds);
+
+/// Warns of each source that is behind its rate by more than a fiftieth of what was due: the run has less in it than
+/// the scene says.
+void report_late_sources(const Assembly& assembly);
 
 }  // namespace epafi

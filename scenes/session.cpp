@@ -404,6 +404,7 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   const bool is_cut = !is_done() && ending_ != Ending::failed && ending_ != Ending::bound_violated;
   if (is_cut) save_checkpoint_now();
   sim.come_home();
+  report_late_sources(*assembly_);
   sim.measure();
   if (course_ && ending_ != Ending::failed) sim.show(*course_);
   // what a bound has seen stands in its measures and frames too, whatever their interval

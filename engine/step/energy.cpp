@@ -43,7 +43,7 @@ void EnergyLedger::start(const World& world, const StepReport& report, const Los
   now_.losses.adhesive = now_.taken = now_.dissipated = settled_ = met.adhesive;
   measure(world);
   start_ = now_.stored() + met.adhesive;
-  largest_inner_ = now_.kinetic + now_.elastic;
+  largest_inner_ = now_.kinetic + std::abs(now_.elastic);
   lowest_potential_ = highest_potential_ = now_.potential;
 }
 
@@ -83,7 +83,7 @@ Energy EnergyLedger::measure(const BodyTotals& bodies) {
   if (fall_ > 0.0) mass_ = bodies.mass.value();
   now_.kinetic = bodies.kinetic.value();
   now_.potential = bodies.potential.value();
-  largest_inner_ = std::max(largest_inner_, now_.kinetic + now_.elastic);
+  largest_inner_ = std::max(largest_inner_, now_.kinetic + std::abs(now_.elastic));
   lowest_potential_ = std::min(lowest_potential_, now_.potential);
   highest_potential_ = std::max(highest_potential_, now_.potential);
   return now_;
@@ -100,7 +100,7 @@ double EnergyLedger::relative(double error) const {
   const double reference = largest_inner_ + (highest_potential_ - lowest_potential_);
   // what is left of sums of large terms is rounding: a body at rest high up has no energy error
   const double rounding =
-      1e-14 * (std::abs(now_.potential) + std::abs(start_) + now_.kinetic + now_.elastic + now_.dissipated);
+      1e-14 * (std::abs(now_.potential) + std::abs(start_) + now_.kinetic + std::abs(now_.elastic) + now_.dissipated);
   if (!std::isfinite(error)) return error;
   return std::abs(error) > rounding && reference > 0 ? error / reference : 0.0;
 }

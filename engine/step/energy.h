@@ -1,6 +1,6 @@
 /// @file energy.h  The energy ledger: what is stored, what was lost, what came in. It must close in every run.
-/// relative_error = (E(t) - E(0) + dissipated - work) / E_ref, E_ref = max over time of kinetic + elastic, plus the
-/// spread of the potential energy. Potential: gravity and external forces, not their parts that follow time. What
+/// relative_error = (E(t) - E(0) + dissipated - work) / E_ref, E_ref = max over time of kinetic + |elastic|, plus the
+/// spread of the potential energy; elastic is negative where adhesion holds bodies. Potential: gravity and external forces, not their parts that follow time. What
 /// position correction puts in is part of the error and shown by itself. Where contacts put in more than they took
 /// since they had taken most, the difference is `gained`, which no term balances, so that it stays in the error. Of
 /// dashpots a step books what their forces do by the velocity of its middle, and the rest when the next steps know it:
@@ -67,7 +67,7 @@ class EnergyLedger {
   double start_ = 0;          ///< E(0) [J]
   double settled_ = 0;        ///< most that contacts had taken but for what is early [J]
   double early_ = 0;          ///< of dashpots, that the next steps may take back: twice a step's, halved by each [J]
-  double largest_inner_ = 0;  ///< max of kinetic + elastic [J]
+  double largest_inner_ = 0;  ///< max of kinetic + |elastic| [J]
   double lowest_potential_ = 0, highest_potential_ = 0;
   double mass_ = 0;  ///< of the free bodies when the energies were last measured [kg]; with impulses only
   double fall_ = 0;  ///< speed that the last step of impulses gave a free body [m/s]

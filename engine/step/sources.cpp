@@ -64,6 +64,12 @@ void PourBodies::before_step(World& world, double, std::vector<BodyId>&) {
   }
 }
 
+std::uint64_t PourBodies::due(const World& world) const {
+  const double time = world.clock + setup_.elapsed;
+  const auto& queue = setup_.bodies;
+  return static_cast<std::uint64_t>(std::ranges::upper_bound(queue, time, {}, &WaitingBody::time) - queue.begin());
+}
+
 void PourBodies::visit(StateVisitor& visitor) {
   visitor.value("pour/" + setup_.name + "/next", next_);
   visitor.value("pour/" + setup_.name + "/tried", tried_);

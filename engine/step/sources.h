@@ -37,6 +37,8 @@ class PourBodies final : public Event {
   void visit(StateVisitor& visitor) override;
   const Setup& setup() const { return setup_; }
   std::uint64_t poured() const { return next_; }
+  /// How many are to have come by now.
+  std::uint64_t due(const World& world) const;
 
   /// Some body is to come.
   bool waits(double time) const { return next_ < setup_.bodies.size() && setup_.bodies[next_].time <= time; }

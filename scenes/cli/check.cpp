@@ -14,6 +14,7 @@
 #include "scenes/peak_memory.h"
 #include "scenes/processor_time.h"
 #include "scenes/progress.h"
+#include "viz_export/output/output_observers.h"
 #include "viz_export/vtk/surface.h"
 
 namespace epafi {
@@ -116,24 +117,36 @@ double predicted_memory(Assembly& a, std::size_t free, std::size_t later, bool p
       a.scene.measures, [&](const auto& spec) { return a.measure(spec)->wants_contacts() == ContactView::all; });
   const double own = (asks ? in_set + 32.0 : 0.0) + (a.plan.needs.contact_moment ? 190.0 : 60.0);
   const double contact = a.plan.fused_spheres ? own : static_cast<double>(a.plan.memory.contact);
-  const double now_asked = a.plan.fused_spheres && asks ? (in_set + 32.0) * there : 0.0;
   // HDF5, what it remembers of the shapes in run.h5 (Hdf5File limits it), a frame
   const double output = 6e6 + std::min(8e6, 14e3 * hulls) + (polyhedra ? 2000.0 : 20.0) * bodies;
   // a large copy goes to a scratch file, while lists that take more room than its pieces have made way
   const double copy = state.total > StateSnapshot::most_in_memory ? 0.0 : static_cast<double>(state.total);
   const double beside = a.plan.fused_spheres ? 2.0 : 3.0;  // lists beside the state, over it; the loop has it in common
-  return held + copy + output + contacts * contact + now_asked + pairs * static_cast<double>(a.plan.memory.pair) +
+  return held + copy + output + contacts * contact + pairs * static_cast<double>(a.plan.memory.pair) +
          static_cast<double>(later) * beside * static_cast<double>(a.plan.memory.body);
 }
 
 std::string time_text(const ForetoldTime& time, const RunCounts& run, double present) {
   if (present < 0.1) return "  wall time     unknown: nearly all bodies enter after the first steps\n";
   return fmt::format(
-      "  processor     about {:.3g} s: {:.3g} s of steps (from the first ones and expected contacts), {:.3g} s of "
-      "output\n"
+      "  processor     about {:.3g} s: {:.3g} s of steps and measures (from the first ones and expected contacts), "
+      "{:.3g} s of output\n"
       "  wall time     about {} with {} threads if nothing else runs\n",
       time.total(), time.steps, time.output, clock_text(wall_seconds(time.total(), run.bodies, thread_count())),
       thread_count());
+}
+
+/// As a run has them, but for its files. Returns how many read contacts in a step, on average.
+double add_measures(Assembly& a) {
+  Simulation& sim = *a.simulation;
+  double reading = 0.0;
+  for (const auto& spec : a.scene.measures) {
+    std::unique_ptr<Measure> measure = a.measure(spec);
+    if (measure->wants_contacts() != ContactView::none) reading += 1.0 / std::max(1.0, spec.interval / sim.time_step);
+    sim.observers.push_back(std::make_unique<MeasureRecorder>(spec.name, std::move(measure), nullptr, nullptr,
+                                                              EverySteps::of_time(spec.interval, sim.time_step)));
+  }
+  return reading;
 }
 
 /// Makes the first steps. The second half of them gives the cost of later ones, since the very first still allocate
@@ -234,6 +247,23 @@ std::size_t waiting_bodies(const Assembly& a) {
   return waiting;
 }
 
+/// Of those, that a run of one stage ends too early for.
+std::size_t too_late(const Assembly& a) {
+  if (a.scene.stages.size() > 1) return 0;
+  const double end = static_cast<double>(a.steps) * a.time_step.value;
+  std::size_t late = 0;
+  for (const PourBodies* source : a.sources)
+    late += static_cast<std::size_t>(
+        std::ranges::count_if(source->setup().bodies, [&](const WaitingBody& b) { return b.time > end; }));
+  return late;
+}
+
+std::string waiting_text(std::size_t later, std::size_t late) {
+  if (later == 0) return "";
+  const std::string some = late > 0 ? fmt::format(", {} of them after its end", late) : "";
+  return fmt::format(", {} poured in later{}", later, some);
+}
+
 /// As the first step finds it; it stays in the simulation's workspace.
 Overlap overlap_at_start(Assembly& a) {
   Simulation& sim = *a.simulation;
@@ -258,7 +288,7 @@ std::string check_text(Assembly& a, const std::vector<StageCheck>& stages) {
   for (Slot s = 0; s < w.size(); ++s) free += w.is_movable(s);
   const std::size_t later = waiting_bodies(a);
   const std::string bodies = fmt::format("  bodies        {} free, {} fixed or driven{}\n", free, w.size() - free,
-                                         later > 0 ? fmt::format(", {} poured in later", later) : "");
+                                         waiting_text(later, too_late(a)));
   const Overlap overlap = overlap_at_start(a);
   const std::string deep = deep_overlap_text(overlap.max_relative);
   std::string out = a.scene.file + (deep.empty() ? ": fine\n" : ": bodies lie in each other\n") + bodies;
@@ -274,6 +304,7 @@ std::string check_text(Assembly& a, const std::vector<StageCheck>& stages) {
                        a.time_step.limit_reason.empty() ? "" : ": " + a.time_step.limit_reason);
   out += fmt::format("  steps         {}\n", a.steps);
   RunCounts run = counts_of(a, static_cast<double>(free + later), movers);
+  run.reading = add_measures(a);
   std::optional<Failure> failure;
   with_team(
       [&] { failure = time_steps(sim, a.steps, first); });  // as runs have it: threads do not go between two steps

@@ -87,3 +87,56 @@ TEST_CASE("names stay while the contact does, and steep bodies touch in one poin
             .size() == 1);
   CHECK(contacts(table, {}, rod, {{0, 0, 0.25 + 0.4 - 1e-3}, upright}).size() == 1);
 }
+
+namespace {
+
+/// A body whose axis lies at `height` over the upper edge of a beam along x, over `middle`; the beam stands on the
+/// opposite edge, its half length is 1.
+template <class B>
+ContactSet on_beam(const B& body, double middle, double height, const Quat& turn, double reach = 0.0) {
+  const Box beam(Vec3(1, 0.2, 0.2));
+  const Pose pose{{middle, 0, 0.2 * std::sqrt(2.0) + height}, turn};
+  return contacts(beam, {{0, 0, 0}, about(Vec3::UnitX(), std::acos(std::sqrt(0.5)))}, body, pose, reach);
+}
+
+}  // namespace
+
+TEST_CASE("a straight side along an edge touches it at both ends of what they share", "[detection][core-patch]") {
+  const Quat along_x = about(Vec3::UnitY(), std::acos(0.0));
+  Random random(113, 0);
+  for (int k = 0; k < 100; ++k) {
+    const double radius = random.uniform(0.02, 0.5), length = random.uniform(0.1, 3),
+                 middle = random.uniform(-0.8, 0.8), depth = radius * std::pow(10.0, -random.uniform(2, 9)),
+                 lean = random.uniform(-0.6, 0.6);
+    const auto check = [&](const auto& body) {
+      const ContactSet c = on_beam(body, middle, radius - depth, about(Vec3::UnitX(), lean) * along_x);
+      REQUIRE(c.size() == 2);
+      const auto [low, high] = std::minmax(c.arm[0].x(), c.arm[1].x());
+      CHECK(low == Approx(std::max(-1.0, middle - 0.5 * length)).margin(1e-9));
+      CHECK(high == Approx(std::min(1.0, middle + 0.5 * length)).margin(1e-9));
+      for (std::size_t i = 0; i < 2; ++i) {
+        CHECK(std::abs(c.gap[i] + depth) < 1e-12);
+        CHECK((c.normal[i] - Vec3(0, 0, 1)).norm() < 1e-5);  // a gap is exact to second order in it
+        CHECK(std::abs(c.arm[i].z() - 0.2 * std::sqrt(2.0) + 0.5 * depth) < 1e-9);
+      }
+    };
+    check(Capsule(radius, length));
+    check(Cylinder(radius, length));
+  }
+}
+
+TEST_CASE("an end across an edge touches it at both rims, a side across it in one point", "[detection][core-patch]") {
+  Random random(114, 0);
+  for (int k = 0; k < 100; ++k) {
+    const double radius = random.uniform(0.02, 0.5), half = random.uniform(0.05, 1), middle = random.uniform(-0.4, 0.4),
+                 depth = radius * std::pow(10.0, -random.uniform(3, 9)), across = random.uniform(0.2, 1.3);
+    const Quat any = about(Vec3::UnitZ(), random.uniform(0, 6));
+    const ContactSet end = on_beam(Cylinder(radius, 2 * half), middle, half - depth, any);
+    REQUIRE(end.size() == 2);
+    CHECK(std::abs(end.arm[0].x() - end.arm[1].x()) > 1.84 * radius);  // an octagon stands for the rim
+    for (const double gap : end.gap) CHECK(std::abs(gap + depth) < 1e-12);
+    const Quat crossed = about(Vec3::UnitZ(), across) * about(Vec3::UnitY(), std::acos(0.0));
+    CHECK(on_beam(Cylinder(radius, 2 * half), middle, radius - depth, crossed).size() == 1);
+    CHECK(on_beam(Capsule(radius, 2 * half), middle, radius - depth, crossed).size() == 1);
+  }
+}

@@ -62,6 +62,21 @@ TEST_CASE("what dashpots were booked with too early is no gain, what falls furth
   CHECK(ledger.last().dissipated == Approx(0.0).margin(1e-15));
 }
 
+TEST_CASE("errors are held against what adhesion stores, too, though it is negative", "[engine][energy]") {
+  for (const double stored : {-1e-3, -2.0, -1e6}) {
+    World world = resting_body(1.0);
+    world.velocity[0] = Vec3::Zero();
+    EnergyLedger ledger;
+    StepReport holds;
+    holds.elastic = stored;
+    ledger.start(world, holds);
+    holds.elastic = 0.9 * stored;  // a tenth of it comes from nowhere
+    ledger.add(holds);
+    ledger.measure(world);
+    CHECK(ledger.relative_error() == Approx(0.1));
+  }
+}
+
 TEST_CASE("gains below a thousandth of one step of free fall are what solvers leave", "[engine][energy]") {
   const double mass = 3.0, fall = 0.04, noise = 1e-3 * 0.5 * mass * fall * fall;
   for (const double part : {0.5, 2.0}) {

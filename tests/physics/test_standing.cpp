@@ -7,6 +7,7 @@
 
 #include "engine/units/random.h"
 #include "tests/support/catch.h"
+#include "tests/support/random_geometry.h"
 #include "tests/support/scene_run.h"
 
 using namespace epafi;
@@ -174,4 +175,49 @@ TEST_CASE("a pile of 1000 stones comes to rest but for stones that swing on two 
     largest = std::max(largest, kinetic_energy(sim.world));
   }
   CHECK(swinging_energy() == Approx(before).margin(1e-2 * largest));  // swings, not motion that something makes
+}
+
+TEST_CASE("a roller that a force presses against a step rests below the force that lifts it, and climbs above",
+          "[physics][standing]") {
+  Random random(115, 0);
+  for (int draw = 0; draw < 12; ++draw) {
+    const double r = std::pow(10.0, random.uniform(-3, 1)), h = random.uniform(0.05, 0.5), l = random.uniform(0.3, 3),
+                 dt = std::pow(10.0, -random.uniform(2, 3.5)) * std::sqrt(r / 9.81);
+    const Quat turn = testing::random_turn(random);
+    const bool lifts = draw % 4 == 3, capsule = draw % 2 == 1;
+    const auto text = [](const Vec3& v) { return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x(), v.y(), v.z()); };
+    const auto turned = [](const Quat& q) {
+      return fmt::format("[{:.17g}, {:.17g}, {:.17g}, {:.17g}]", q.w(), q.x(), q.y(), q.z());
+    };
+    const double foot = std::sqrt(2 * h - h * h),
+                 volume = std::numbers::pi * l + (capsule ? 4.0 / 3.0 * std::numbers::pi : 0.0),
+                 force = (lifts ? 1.1 : 0.95) * 2500 * volume * r * r * r * 9.81 * foot / (1 - h);
+    const std::string path = std::string(EPAFI_BINARY_DIR) + "/step.toml";
+    std::ofstream(path) << "[run]\nduration = " << 2 * std::sqrt(r / 9.81) << "\ntime_step = " << dt
+                        << "\n[world]\ngravity = " << text(turn * Vec3(0, 0, -9.81))
+                        << "\n[material.wood]\ndensity = 2500\n[contact]\nmethod = \"nonsmooth\"\nrestitution = 0\n"
+                        << "friction = 2\n[[body]]\nname = \"floor\"\nmaterial = \"wood\"\nfixed = true\n"
+                        << "shape = { half_space = { normal = " << text(turn * Vec3::UnitZ()) << " } }\n"
+                        << "[[body]]\nname = \"step\"\nmaterial = \"wood\"\nfixed = true\nshape = { box = { size = "
+                        << text(r * Vec3(4, 8, h)) << " } }\norientation = " << turned(turn)
+                        << "\nposition = " << text(turn * Vec3(r * (foot + 2), 0, 0.5 * r * h))
+                        << "\n[[body]]\nname = \"roller\"\nmaterial = \"wood\"\nshape = { "
+                        << (capsule ? "capsule" : "cylinder") << " = { radius = " << r << ", length = " << l * r
+                        << " } }\norientation = "
+                        << turned(turn * Quat(Eigen::AngleAxisd(std::acos(0.0), Vec3::UnitX())))
+                        << "\nposition = " << text(turn * Vec3(0, 0, r))
+                        << "\nforce = " << text(turn * Vec3(force, 0, 0)) << "\n";
+    auto run = experiments::prepare_scene(path, {});
+    run.simulation().start();
+    run.advance_to(0);
+    INFO("draw " << draw << " r " << r << " h " << h << " l " << l << " dt " << dt);
+    CHECK(run.failure.empty());
+    const World& world = run.simulation().world;
+    const Vec3 moved = (turn.conjugate() * world.position[world.slot_of(BodyId{2})] - Vec3(0, 0, r)) / r;
+    CHECK(std::abs(moved.y()) < 1e-4);  // nothing acts along the edge
+    if (lifts)
+      CHECK(moved.z() > 0.02);
+    else
+      CHECK(moved.norm() < 1e-5);
+  }
 }

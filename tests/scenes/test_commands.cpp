@@ -212,7 +212,13 @@ TEST_CASE("steps to come cost as the last ones, with what the bodies lack of a p
   run.falling = 0.0;
   CHECK(foretell_time(run, first, 1.0).steps - 41.0 < packed);
   run.polyhedra = 0.0;
-  CHECK(foretell_time(run, first, 1.0).steps - 41.0 < 0.1 * packed);
+  const double balls = foretell_time(run, first, 1.0).steps;
+  CHECK(balls - 41.0 < 0.1 * packed);
+  run.reading = 2.0;
+  const double read = foretell_time(run, first, 1.0).steps - balls;
+  CHECK(read > 0.0);
+  run.reading = 0.5;
+  CHECK(foretell_time(run, first, 1.0).steps - balls == Approx(0.25 * read));
 }
 
 TEST_CASE("half of the bodies that fall from up to a height are down after the fall from its half",

@@ -1,4 +1,5 @@
-// What a run says of itself where its energy balance opens, and of overlaps between the looks.
+// What a run says of itself where its energy balance opens, of overlaps between the looks, of slow sources; what
+// `check` foretells of measures.
 #include <cmath>
 #include <fstream>
 #include <random>
@@ -105,4 +106,60 @@ TEST_CASE("bodies that overlap by more than half a radius are reported", "[scene
     CHECK(summary.number("overlap.max_relative").value() == Approx(share).epsilon(0.02));
     CHECK((summary.text("warnings.0").find("of the radius of the smaller one") != std::string::npos) == (share > 0.5));
   }
+}
+
+TEST_CASE("a source that cannot keep its rate is told, with how many have come", "[scenes][warnings]") {
+  std::mt19937 random(5);
+  const auto draw = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  for (int k = 0; k < 6; ++k) {
+    const TemporaryFolder folder;
+    const fs::path file = folder / "source.toml";
+    const double r = std::pow(10.0, draw(-3, 0)), side = r * draw(4, 8), fall = std::sqrt(r / 9.81);
+    // the box of the source holds a dozen bodies, which need some `fall` each to leave it
+    const bool too_fast = k % 2 == 0;
+    const double rate = (too_fast ? draw(20, 60) : draw(0.1, 0.5)) / fall, duration = 20 * fall;
+    std::ofstream(file) << "run = { duration = " << duration << ", time_step = " << 1e-3 * fall
+                        << " }\nworld = { gravity = [0, 0, -9.81] }\nmaterial.m = { density = 2500 }\n"
+                        << "contact = { method = \"smooth\", restitution = 0.5, friction = 0.3, smooth = { law = "
+                        << "\"linear\", stiffness = " << 1e8 * r * r << " } }\n"
+                        << "[shape.s]\nsphere = { radius = " << r << " }\n[[fill]]\nname = \"sand\"\nshape = \"s\"\n"
+                        << "material = \"m\"\nmethod = \"pour\"\ncount = 5000\nrate = " << rate
+                        << "\nregion = { box = { min = [0, 0, 0], max = [" << side << ", " << side << ", " << 4 * r
+                        << "] } }\n";
+    const Captured run = run_of(file, into(folder));
+    INFO(run.err);
+    const FlatJson summary = read_json(folder / "out" / "summary.json");
+    const double came = summary.number("bodies").value(), due = std::floor(rate * duration) + 1;
+    const std::string told = summary.text("warnings.0");
+    if (!too_fast) {
+      CHECK(std::abs(came - due) < 3);
+      CHECK(told.empty());
+      continue;
+    }
+    CHECK(came < 0.9 * due);
+    CHECK_THAT(told, Catch::Contains("'sand' is slower than its rate: " + std::to_string(static_cast<int>(came)) +
+                                     " bodies have come, "));
+  }
+}
+
+TEST_CASE("measures that look at every step are foretold", "[scenes][foretold]") {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "measured.toml";
+  const auto steps = [&](const std::string& measures) {
+    std::ofstream(file) << "run = { duration = 2.0, time_step = 1e-5 }\nworld = { gravity = [0, 0, -9.81] }\n"
+                           "material.m = { density = 2500, youngs_modulus = \"1 MPa\", poissons_ratio = 0.3 }\n"
+                           "contact = { method = \"smooth\", restitution = 0.5, friction = 0 }\n[[body]]\n"
+                           "repeat = [8, 8, 8]\nshape = { sphere = { radius = 0.01 } }\nmaterial = \"m\"\n"
+                           "position = [\"= 0.01999*i\", \"= 0.01999*j\", \"= 0.01999*k\"]\n" +
+                               measures;
+    const std::string text = captured([&] { return command_check({file.string(), {}}); }).out;
+    const std::size_t end = text.find(" s of steps"), begin = text.rfind(' ', end - 1);
+    REQUIRE(end != std::string::npos);
+    return std::stod(text.substr(begin));
+  };
+  const std::string region = "region = { box = { min = [-1, -1, -1], max = [1, 1, 1] } }\n";
+  const std::string stress = "[[measure]]\nkind = \"stress\"\n" + region;
+  const double none = steps(""), sparse = steps(stress + "interval = 0.01\n"), one = steps(stress);
+  CHECK(sparse < 1.5 * none);
+  CHECK(one > 2.0 * none);
 }

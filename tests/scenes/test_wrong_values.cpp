@@ -166,3 +166,58 @@ TEST_CASE("a zero in a text is told where it stands", "[scenes][reader]") {
     CHECK_THAT(errors[0], Catch::Contains("the character U+0000") && Catch::Contains("scene.toml:"));
   }
 }
+
+TEST_CASE("every key of every kind of measure takes or refuses every kind of value", "[scenes][reader]") {
+  const Registry registry = full_registry();
+  const std::vector<std::string> values{"3",
+                                        "-1.5",
+                                        "true",
+                                        "'ball'",
+                                        "nan",
+                                        "[]",
+                                        "{}",
+                                        "[1]",
+                                        "[1, 2, 3]",
+                                        "['ball']",
+                                        "['none']",
+                                        "['ball', 'none']",
+                                        "{ x = 1 }",
+                                        "['', '']",
+                                        "['ball', 'ball']",
+                                        "['ball', 'ball', 'ball']",
+                                        "''"};
+  std::size_t refused = 0;
+  for (const Entry& kind : registry.measures)
+    for (const Field& field : kind.fields)
+      for (const std::string& value : values) {
+        const std::string text =
+            "run = { duration = 1, time_step = 1e-3 }\nmaterial.a = { density = 1, youngs_modulus = 1, poissons_ratio "
+            "= 0 "
+            "}\ncontact = { method = 'smooth', restitution = 1, friction = 0 }\n[[body]]\nname = 'ball'\nmaterial = "
+            "'a'\nshape = { sphere = { radius = 1 } }\n[[measure]]\nkind = '" +
+            kind.name + "'\n" + field.name + " = " + value + "\n";
+        INFO(text);
+        const ReadResult read = read_scene_text(text, "scene.toml", {}, registry);
+        CHECK(read.scene.has_value() == std::none_of(read.problems.begin(), read.problems.end(), [](const Problem& p) {
+                return p.level == Problem::Level::error;
+              }));
+        refused += !read.scene;
+      }
+  CHECK(refused > 200);
+}
+
+TEST_CASE("a measure between two takes two names", "[scenes][reader]") {
+  for (const std::string names : {"['a']", "['a', 'b', 'a']", "[]"})
+    for (const std::string kind : {"contact", "hysteresis", "mixing"}) {
+      const ReadResult read = read_scene_text(
+          "run = { duration = 1, time_step = 1e-3 }\nmaterial.m = { density = 1, youngs_modulus = 1, poissons_ratio = "
+          "0 "
+          "}\ncontact = { method = 'smooth', restitution = 1, friction = 0 }\n[[body]]\nname = 'a'\nmaterial = "
+          "'m'\nshape = { sphere = { radius = 1 } }\n[[body]]\nname = 'b'\nmaterial = 'm'\nposition = [3, 0, "
+          "0]\nshape = { sphere = { radius = 1 } }\n[[measure]]\nkind = '" +
+              kind + "'\nbetween = " + names + (kind == "mixing" ? "\ncell = 1\n" : "\n"),
+          "scene.toml", {}, full_registry());
+      REQUIRE_FALSE(read.scene);
+      CHECK_THAT(read.problems[0].to_string(), Catch::Contains("between") && Catch::Contains("2"));
+    }
+}

@@ -21,7 +21,7 @@ const Field relative_to{"relative_to",
                         {},
                         "body that is the frame of reference, as a moving table; default: the ground",
                         true};
-const Field between{"between", "", "", Kind::texts, {}, {}, "two names of bodies or groups"};
+const Field between{"between", "", "", Kind::texts, {}, {2, 2}, "two names of bodies or groups"};
 const Field plane{"plane",
                   "",
                   "",

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "detection/narrow/pairs/flat_patch.h"
 #include "detection/narrow/pairs/side_clip.h"
 
 namespace epafi {
@@ -49,6 +50,37 @@ void keep_quarters(std::vector<SidePoint>& side) {
   std::erase_if(side, [](const SidePoint& s) { return s.corner % 2 == 1; });
 }
 
+/// The edge at the polyhedron's outermost corner along n that is the most nearly square to n; none where all slope
+/// away.
+FlatSide edge_along(const PolyhedronView& p, const Vec3& n) {
+  FlatSide edge;
+  const std::uint32_t v = ConvexHull::support_vertex(p, n);
+  double least = facing_sine;
+  for (std::uint32_t k = p.neighbour_begin[v]; k < p.neighbour_begin[v + 1]; ++k) {
+    const std::uint32_t w = p.neighbours[k];
+    const Vec3 way = p.vertices[w] - p.vertices[v];
+    const double sine = std::abs(way.dot(n)) / way.norm();
+    if (!(sine < least)) continue;
+    least = sine;
+    edge.corner[0] = p.vertices[std::min(v, w)];
+    edge.corner[1] = p.vertices[std::max(v, w)];
+    edge.count = 2;
+  }
+  return edge;
+}
+
+/// A straight side along an edge of the polyhedron, or an end across one.
+Patch on_edge(const CoreAndPolyhedron& pair, const NearestPoint& nearest, double reach, double sweep_polyhedron,
+              double sweep_core) {
+  FlatPair sides{edge_along(pair.polyhedron, nearest.normal), {}, pair.size, sweep_polyhedron, sweep_core};
+  if (sides.a.count > 0) sides.b = facing_side(pair, -(pair.rotation.transpose() * nearest.normal));
+  for (int k = 0; k < sides.b.count; ++k) {
+    Vec3& x = sides.b.corner[static_cast<std::size_t>(k)];
+    x = pair.rotation * x + pair.offset;
+  }
+  return flat_patch(sides, nearest, reach);
+}
+
 }  // namespace
 
 Patch core_patch(const CoreAndPolyhedron& pair, const NearestPoint& nearest, double reach, double sweep_polyhedron,
@@ -61,17 +93,17 @@ Patch core_patch(const CoreAndPolyhedron& pair, const NearestPoint& nearest, dou
   const Vec3& n = nearest.normal;
   const std::uint32_t face = face_along(p, n);
   const Vec3& m = p.face_normals[face];
-  if (m.cross(n).squaredNorm() < facing_sine * facing_sine) {
-    const FlatSide flat = facing_side(pair, -(pair.rotation.transpose() * n));
-    for (int k = 0; k < flat.count; ++k)
-      side.push_back(
-          {pair.rotation * flat.corner[static_cast<std::size_t>(k)] + pair.offset, static_cast<std::uint32_t>(k), 0});
-    if (side.size() == round_end) turn_round_end(m, side);
-    const std::uint32_t begin = p.face_begin[face];
-    clip_side([&](std::uint32_t k) -> const Vec3& { return p.vertices[p.face_vertices[begin + k]]; },
-              p.face_begin[face + 1] - begin, m, side_snap * pair.size, side);
-    keep_quarters(side);
-  }
+  if (!(m.cross(n).squaredNorm() < facing_sine * facing_sine))
+    return on_edge(pair, nearest, reach, sweep_polyhedron, sweep_core);
+  const FlatSide flat = facing_side(pair, -(pair.rotation.transpose() * n));
+  for (int k = 0; k < flat.count; ++k)
+    side.push_back(
+        {pair.rotation * flat.corner[static_cast<std::size_t>(k)] + pair.offset, static_cast<std::uint32_t>(k), 0});
+  if (side.size() == round_end) turn_round_end(m, side);
+  const std::uint32_t begin = p.face_begin[face];
+  clip_side([&](std::uint32_t k) -> const Vec3& { return p.vertices[p.face_vertices[begin + k]]; },
+            p.face_begin[face + 1] - begin, m, side_snap * pair.size, side);
+  keep_quarters(side);
   for (const SidePoint& s : side) {
     // never below the nearest: along a normal that is not the face's, a point beside the face may seem so
     const double gap =

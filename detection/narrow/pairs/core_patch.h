@@ -1,6 +1,6 @@
 /// @file core_patch.h  Several contact points of a capsule or cylinder with a polyhedron: its straight side or flat
-/// end, clipped to the face of the polyhedron that faces it. One point lets a lying capsule or a standing cylinder
-/// rock.
+/// end, clipped to the face or the edge of the polyhedron that faces it. One point lets a lying capsule or a standing
+/// cylinder rock.
 #pragma once
 #include "detection/narrow/polyhedra/manifold.h"
 #include "detection/shapes/flat_side.h"
@@ -18,8 +18,9 @@ struct CoreAndPolyhedron {
 };
 
 /// nearest: in the polyhedron's axes relative to its centre, the normal from the polyhedron to the core.
-/// Points with gap < reach along the common normal: the corners of the flat side over the face and, where none of them
-/// is the nearest (a tilted disk, a round end), the nearest point. That alone where nothing flat faces.
+/// Points with gap < reach along the common normal: the corners of the flat side over the face or along the edge and,
+/// where none of them is the nearest (a tilted disk, a round end), the nearest point. That alone where nothing flat or
+/// straight faces.
 Patch core_patch(const CoreAndPolyhedron& pair, const NearestPoint& nearest, double reach, double sweep_polyhedron,
                  double sweep_core);
 
