@@ -1,17 +1,19 @@
 #!/usr/bin/env python3
 """What a step costs for every kind of body, wall, cell and source: rows as multiples of the settled bed in the same
 run, by body and step and by contact.
-   python3 perf/scenes.py build/bin/epafi [part of a row's name ...]
+   python3 perf/scenes.py build/bin/epafi [part of a row's name ...] [--out FOLDER]
 Each scene is settled, then resumed for some steps and for three times as many: the difference of the processor times on
 one thread is that of the steps alone, and the two beds before and after a row say how busy the machine was. Beside
-each row the open part of its energy balance, and whether 1, 2 and 3 threads end in the same state."""
+each row the open part of its energy balance, and whether 1, 2 and 3 threads end in the same state. With --out the rows
+also go to FOLDER/figures.csv, for `tools/figures.py --take FOLDER`."""
+import argparse
+import csv
 import json
 import math
 import os
 import resource
 import shutil
 import subprocess
-import sys
 import tempfile
 
 import granular_scene
@@ -87,6 +89,30 @@ def cell(edge, count, more, velocity="", **law):
     return head(**law) + domain + fill(count, [0, 0, 0], [edge, edge, edge], velocity)
 
 
+def flow(outlet):
+    """An open funnel; what has fallen through is taken out by an outlet or by the end of the domain."""
+    low = -0.3 if outlet else -0.04
+    text = head() + f"""[world]
+gravity = [0, 0, -9.81]
+domain = {{ min = [-0.1, -0.1, {low}], max = [0.1, 0.1, 1.0], outside = "delete" }}
+[[body]]
+name = "funnel"
+shape = {{ cone = {{ radii = [0.03, 0.07], length = 0.05 }} }}
+material = "bead"
+position = [0, 0, 0.025]
+fixed = true
+[[body]]
+name = "tube"
+shape = {{ tube = {{ radius = 0.07, length = 0.6 }} }}
+material = "bead"
+position = [0, 0, 0.35]
+fixed = true
+""" + fill(10000, [-0.048, -0.048, 0.06], [0.048, 0.048, 0.4])
+    if outlet:
+        text += '[[outlet]]\nname = "below"\nregion = { box = { min = [-0.1, -0.1, -0.2], max = [0.1, 0.1, -0.04] } }\n'
+    return text
+
+
 def bodies_bed(shape, count, size, step, scale=None):
     """Bodies of one shape, settled in a box six of them wide; size: of the box around one [m]."""
     edge, text = size * 1.05 * math.ceil((count / 4) ** (1 / 3)), head(time_step=step) + GRAVITY
@@ -115,6 +141,8 @@ ROWS = {  # scene, settled until [s], steps
                                   friction=0.1), 0.01, 60),
     "pour, 20 000 a second": (pour, 0.3, 200),
     "pour that has ended": (lambda: pour(6000), 0.3, 200),
+    "funnel in full flow, outlet": (lambda: flow(True), 0.15, 300),
+    "funnel in full flow, outside = delete": (lambda: flow(False), 0.15, 300),
     "clumps of one ball": (lambda: bodies_bed(clump([(0, 0, 0, 0.0025)]), 1000, 0.005, 2e-5), 0.15, 600),
     "clumps of three balls": (lambda: bodies_bed(clump(ROD), 600, 0.01, 2e-5), 0.15, 600),
     "clumps of eight balls": (lambda: bodies_bed(clump(CUBE), 600, 0.008, 2e-5), 0.15, 600),
@@ -160,13 +188,28 @@ class Scene:
         return a_step / summary["bodies"], a_step * (2 * self.steps) / max(contacts, 1.0), summary
 
 
+def write_figures(folder, figures):
+    """Rows of (scene, what, value, unit)."""
+    os.makedirs(folder, exist_ok=True)
+    with open(os.path.join(folder, "figures.csv"), "w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["case", "code", "value", "low", "high", "unit"])
+        writer.writerows(["row " + scene.replace(",", ""), what, value, "", "", unit]
+                         for scene, what, value, unit in figures)
+
+
 def main():
-    program, wanted = os.path.abspath(sys.argv[1]), sys.argv[2:]
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program")
+    parser.add_argument("rows", nargs="*")
+    parser.add_argument("--out")
+    o = parser.parse_args()
+    program, wanted, figures = os.path.abspath(o.program), o.rows, []
     with tempfile.TemporaryDirectory() as folder:
         reference = Scene(program, folder, "bed")
         last = reference.nanoseconds()
         print(f"bed: {last[0]:.1f} ns a body and step, {last[1]:.1f} a contact; beds: multiples of these")
-        print(f"{'scene':28} {'bodies':>7} {'ns':>8} {'beds':>6} {'a contact':>10} {'beds':>6} {'open energy':>12}  "
+        print(f"{'scene':38} {'bodies':>7} {'ns':>8} {'beds':>6} {'a contact':>10} {'beds':>6} {'open energy':>12}  "
               f"threads")
         for name in ROWS:
             if name == "bed" or (wanted and not any(w in name for w in wanted)):
@@ -175,11 +218,17 @@ def main():
             cost, of_contact, summary = scene.nanoseconds()
             now = reference.nanoseconds()
             hashes = {scene.resume(scene.steps, threads)[1]["state_hash"] for threads in (1, 2, 3)}
-            print(f"{name:28} {summary['bodies']:7} {cost:8.1f} {2 * cost / (last[0] + now[0]):6.2f} "
+            print(f"{name:38} {summary['bodies']:7} {cost:8.1f} {2 * cost / (last[0] + now[0]):6.2f} "
                   f"{of_contact:10.1f} {2 * of_contact / (last[1] + now[1]):6.2f} "
                   f"{summary['energy']['relative_error']:12.2e}  {'same bits' if len(hashes) == 1 else 'DIFFER'}",
                   flush=True)
+            beds = [2 * cost / (last[0] + now[0]), 2 * of_contact / (last[1] + now[1])]
+            figures += [(name, "a body", "%.3g" % beds[0], "beds"), (name, "a contact", "%.3g" % beds[1], "beds"),
+                        (name, "ns", "%.0f" % cost, "ns per body and step"),
+                        (name, "open energy", "%.0e" % abs(summary["energy"]["relative_error"]), "")]
             last = now
+            if o.out:
+                write_figures(o.out, figures)
 
 
 if __name__ == "__main__":

@@ -17,9 +17,31 @@ void BallBodies::take(std::span<const BodyBall> balls, const World& world) {
     if (all.empty() || all.back().body != balls_[k].body) all.push_back({balls_[k].body, k, 0});
     ++all.back().count;
   }
-  offset_.resize(balls_.size());
+  offset_.assign(balls_.size(), Vec3::Zero());
   load_.assign(balls_.size(), {});
+  used_.clear();
   placed_ = false;
+}
+
+bool BallBodies::use(const SpherePairs& pairs) {
+  std::vector<std::uint8_t> used(balls_.size(), 0);
+  for (std::size_t k = 0; k < used.size(); ++k) used[k] = pairs.first[k + 1] > pairs.first[k] ? 1 : 0;
+  for (std::uint32_t i = 0; i < pairs.first[used.size()]; ++i)  // a pair stands at its lower place
+    if (pairs.partner[i] < used.size()) used[pairs.partner[i]] = 1;
+  const std::vector<std::uint32_t> before = std::exchange(used_, {});
+  for (std::uint32_t k = 0; k < used.size(); ++k)
+    if (used[k] != 0)
+      used_.push_back(k);
+    else
+      load_[k] = {};
+  for (std::vector<Whole>* all : {&free_, &held_})
+    for (Whole& w : *all) {
+      const auto from = std::ranges::lower_bound(used_, w.first),
+                 to = std::ranges::lower_bound(used_, w.first + w.count);
+      w.used_first = static_cast<std::uint32_t>(from - used_.begin());
+      w.used_count = static_cast<std::uint32_t>(to - from);
+    }
+  return !std::ranges::includes(before, used_);
 }
 
 Slot BallBodies::place_of(Slot body, std::uint32_t part) const {
@@ -40,16 +62,16 @@ void BallBodies::each_in(std::size_t begin, std::size_t end, const F& f) const {
 }
 
 void BallBodies::place_one(World& world, const Whole& whole, double lag, Lanes* late_spins) {
+  if (whole.used_count == 0) return;
   const Slot s = whole.body;
   const bool rotates = world.rotates(), gives = rotates && world.is_movable(s);
   const Vec3 none = Vec3::Zero();
   place_balls({world.states()[s], world.has_orientation() ? &world.orientation[s] : nullptr,
                rotates ? Vec3(world.angular_velocity[s]) : none, gives ? world.inverse_inertia_of(s) : none,
-               gives && lag != 0.0,
-               gives && lag != 0.0 ? Vec3(lag * world.torque[s]) : none, world.cell ? world.cell->strain_rate : none,
-               whole.count, balls_.data() + whole.first, offset_.data() + whole.first,
-               world.states().data() - world.states_before() + whole.first,
-               late_spins != nullptr ? late_spins + whole.first : nullptr});
+               gives && lag != 0.0, gives && lag != 0.0 ? Vec3(lag * world.torque[s]) : none,
+               world.cell ? world.cell->strain_rate : none,
+               std::span(used_).subspan(whole.used_first, whole.used_count), balls_.data(), offset_.data(),
+               world.states().data() - world.states_before(), late_spins});
 }
 
 void BallBodies::place(World& world, double lag, Lanes* late_spins, std::size_t begin, std::size_t end) {
@@ -64,8 +86,9 @@ void BallBodies::place_all(World& world, double lag, Lanes* late_spins) {
 
 void BallBodies::collect(const World& world, SphereSum* sums, Lanes* moments, std::size_t begin, std::size_t end) {
   static_assert(sizeof(Load) == 6 * sizeof(double));
-  collect_balls({end - begin, balls_.data() + begin, world.rotates() ? offset_.data() + begin : nullptr, sums, moments,
-                 load_[begin].force.data()});
+  const auto from = std::ranges::lower_bound(used_, begin), to = std::ranges::lower_bound(used_, end);
+  collect_balls({std::span(from, to), begin, balls_.data(), world.rotates() ? offset_.data() : nullptr, sums, moments,
+                 load_.front().force.data()});
 }
 
 void BallBodies::give(World& world, std::uint8_t* touched, std::size_t begin, std::size_t end) {

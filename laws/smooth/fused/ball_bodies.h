@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/state/body_ball.h"
+#include "engine/state/contacts.h"
 #include "engine/state/large_column.h"
 #include "engine/state/virial.h"
 #include "engine/state/world.h"
@@ -46,6 +47,8 @@ class BallBodies {
   void forget_places() { placed_ = false; }
   void set_placed() { placed_ = true; }
   bool placed() const { return placed_; }
+  /// Those that have a listed pair: the others are not placed and feel nothing. True where some were not used before.
+  bool use(const SpherePairs& pairs);
   /// Writes the states of the balls of bodies in slots [begin, end) and, where it is not null, `late_spins` by place.
   /// Velocities of the bodies' states, and those predicted `lag` later, are known.
   void place(World& world, double lag, Lanes* late_spins, std::size_t begin, std::size_t end);
@@ -67,6 +70,7 @@ class BallBodies {
   struct Whole {
     Slot body;
     std::uint32_t first, count;
+    std::uint32_t used_first = 0, used_count = 0;  ///< in used_
   };
   struct Load {
     Vec3 force = Vec3::Zero();   ///< [N]
@@ -77,9 +81,10 @@ class BallBodies {
   void place_one(World& world, const Whole& whole, double lag, Lanes* late_spins);
 
   std::vector<BodyBall> balls_;
-  std::vector<Whole> free_, held_;  ///< by slot
-  std::vector<Vec3> offset_;        ///< by ball, world axes [m]
-  std::vector<Load> load_;          ///< by ball
+  std::vector<Whole> free_, held_;   ///< by slot
+  std::vector<std::uint32_t> used_;  ///< balls that have a listed pair, ascending
+  std::vector<Vec3> offset_;         ///< by ball, world axes [m]
+  std::vector<Load> load_;           ///< by ball
   bool placed_ = false;
 };
 

@@ -91,12 +91,13 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       release(radius_);
     }
     // reads the force of the last step: before the generic loop writes
-    if (const bool places = balls && !blocks_.balls().placed(); !predicted_ || places) {
+    const bool predicts = !predicted_ || (balls && !blocks_.balls().placed());
+    if (predicts)
       parallel_blocks(world.size(), blocks_.block_size(), [&](std::size_t begin, std::size_t end, std::size_t) {
         predict_bodies(world, lag(clock), blocks_.late_spins_of_bodies(), begin, end);
       });
-      if (balls) blocks_.balls().place_all(world, lag(clock), blocks_.late_spins());
-    }
+    if (blocks_.take_new_balls() || (predicts && balls))
+      blocks_.balls().place_all(world, lag(clock), blocks_.late_spins());
     has_extent_ = predicted_ && clock.scheme;
     predicted_ = false;
     is_touched_.assign(others || blocks_.balls().any_free() ? world.size() : 0, 0);

@@ -53,11 +53,10 @@ struct Place {
     const Lanes spin = row_of(in.spin), rate = row_of(in.strain_rate);
     Lanes late = spin;
     const Vec3 &i = in.inverse_inertia, &t = in.twist;
-    if (in.is_late)
-      late = spin + turn.of(i.x() * dot(turn.x, t), i.y() * dot(turn.y, t), i.z() * dot(turn.z, t));
+    if (in.is_late) late = spin + turn.of(i.x() * dot(turn.x, t), i.y() * dot(turn.y, t), i.z() * dot(turn.z, t));
     const double inverse_moment = ((i.x() + i.y()) + i.z()) / 3.0;  // the harmonic mean of the moments
     const Lanes position = in.body.position, velocity = in.body.velocity, predicted = in.body.predicted;
-    for (std::size_t k = 0; k < in.count; ++k) {
+    for (const std::uint32_t k : in.used) {
       const BodyBall& ball = in.balls[k];
       const Lanes offset = turn.of(ball.centre.x(), ball.centre.y(), ball.centre.z());
       const Lanes flow = rate * offset;  // the cell carries the body, not its balls
@@ -67,7 +66,7 @@ struct Place {
       state.velocity = with(velocity + (cross(spin, offset) - flow), velocity[3]);
       state.spin = with(spin, ball.radius);
       state.predicted = with(predicted + (cross(late, offset) - flow), inverse_moment);
-      if (in.late_spins != nullptr) in.late_spins[k] = with(late, 0.0);
+      if (in.late_spins != nullptr) in.late_spins[k] = with(late, inverse_moment);
     }
   }
 };
@@ -77,14 +76,15 @@ struct Collect {
 
   template <int n>
   EPAFI_LANES void run() const {
-    for (std::size_t k = 0; k < in.count; ++k) {
-      SphereSum& sum = in.sums[k];
+    for (const std::uint32_t k : in.used) {
+      SphereSum& sum = in.sums[k - in.begin];
       const Lanes force = with(sum.first, 0.0);
       Lanes torque = in.balls[k].radius * Lanes{sum.first[3], sum.second[0], sum.second[1], 0.0};
       sum = SphereSum{};
       if (in.moments != nullptr) {
-        torque = torque + in.moments[k];
-        in.moments[k] = Lanes{};
+        Lanes& moment = in.moments[k - in.begin];
+        torque = torque + moment;
+        moment = Lanes{};
       }
       if (in.offsets != nullptr) torque = torque + cross(row_of(in.offsets[k]), force);
       write_three(in.loads + 6 * k, force);

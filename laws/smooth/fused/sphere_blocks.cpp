@@ -103,6 +103,7 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
     grouped_ = false;
     balls_.take(list.balls, world);
   }
+  has_new_balls_ = !balls_.empty() && balls_.use(pairs);
   const std::vector<SpherePlane> before = std::exchange(planes_, list.planes);
   const bool same_planes = std::ranges::equal(before, planes_, {}, &SpherePlane::slot, &SpherePlane::slot);
   const bool grown = laid_out_ && world.size() > laid_bodies_;
@@ -179,6 +180,7 @@ void SphereBlocks::set_constants(World& world, std::span<const double> radius, s
         for (std::size_t s = std::max(first, 4 * four); s < std::min(world.size(), 4 * four + 4); ++s) {
           states[s].position[3] = states[s].spin[3] = radius[s - first];
           if (world.columns().anisotropy) states[s].predicted[3] = world.inverse_inertia_of(static_cast<Slot>(s)).x();
+          if (balls_.size() + s < late_spins_.size()) late_spins_[balls_.size() + s][3] = states[s].predicted[3];
         }
       },
       128);

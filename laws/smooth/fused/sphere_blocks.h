@@ -9,6 +9,7 @@
 #include <array>
 #include <bit>
 #include <span>
+#include <utility>
 
 #include "engine/lanes/lanes.h"
 #include "engine/state/contacts.h"
@@ -148,6 +149,8 @@ class SphereBlocks {
   std::size_t bodies() const { return bodies_; }
   BallBodies& balls() { return balls_; }
   const BallBodies& balls() const { return balls_; }
+  /// Balls that have not been placed have pairs since the last layout; says it once.
+  bool take_new_balls() { return std::exchange(has_new_balls_, false); }
   /// The first blocks are of balls.
   std::size_t ball_blocks() const { return blocks_of(balls_.size()); }
   /// Of the places of a block.
@@ -258,8 +261,9 @@ class SphereBlocks {
   UnwrittenColumn<Lanes> moments_;
   std::vector<std::uint8_t> is_clear_;  ///< by accumulator: its sums are zero
   std::vector<std::uint8_t> plain_;
-  KeptSprings kept_;                         ///< while the layout waits
-  std::vector<std::uint32_t> kept_begin_;    ///< by block, once they are grouped
+  KeptSprings kept_;                       ///< while the layout waits
+  std::vector<std::uint32_t> kept_begin_;  ///< by block, once they are grouped
+  bool has_new_balls_ = false;
   bool laid_out_ = false, grouped_ = false;  ///< kept_ is in the order of the blocks
   bool kept_of_balls_ = false;               ///< some of them are, so that the lower place may be that of B
   std::size_t pairs_ = 0, bodies_ = 0;

@@ -37,6 +37,10 @@ EPAFI_LANES void find_radii(SphereTile<n>& t, std::size_t g, const SphereArrays&
     c.twist = 0.5 * with.dt * normal.dot(spin_a + spin_b);
     const VectorsOf<V> turning = (c.lever * radius_a) * spin_a + (c.lever * radius_b) * spin_b;
     c.slip = velocity - opening * normal - turning.cross(normal);
+    if (with.late_spins == nullptr) return;
+    c.radius_a = radius_a;
+    c.radius_b = radius_b;
+    c.turning = spin_b - spin_a;
   }
 }
 
@@ -90,6 +94,16 @@ EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks
       c.approach = -opening;
     }
   }
+  if constexpr (remembers)
+    if (with.late_spins != nullptr) {
+      c.nearer = later;
+      if constexpr (periodic && !wall)
+        read_columns(
+            [&](int l) EPAFI_INLINED {
+              return row<n>(with.state(bodies[l].a).predicted) - row<n>(with.state(bodies[l].b).predicted);
+            },
+            c.nearer.x, c.nearer.y, c.nearer.z, none);
+    }
   c.middle = -opening;
   c.inverse_mass = inverse_mass;
   find_radii<n, remembers, wall>(t, g, with, velocity, opening);

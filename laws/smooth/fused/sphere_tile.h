@@ -24,7 +24,7 @@ struct SphereArrays {
   double reach = 0.0;                   ///< contacts hold so far beyond touch [m]
   Lanes cell_size{}, strain_rate{};     ///< of a periodic cell [m], [1/s]; fourth 0
   SpherePlace nowhere{};                ///< of a sum that is never read: for lanes after the last contact
-  // with dashpots or rolling: spins by place, then, with rolling, as sums
+  // with dashpots or rolling: spins and in the fourth 1/moment of inertia, by place; with rolling, as sums
   const Lanes* late_spins = nullptr;
   std::uintptr_t moments = 0;
   const Vec3* offsets = nullptr;  ///< by place of balls, from the centres of their bodies [m]; null: there are none
@@ -44,7 +44,10 @@ struct SphereArrays {
   EPAFI_LANES SphereSum& sum(SpherePlace p) const {
     return *reinterpret_cast<SphereSum*>(sums + p.offset);  // NOLINT: an address
   }
-  EPAFI_LANES const Lanes& late_spin(SpherePlace p) const { return late_spins[p.offset / SpherePlace::unit]; }
+  EPAFI_LANES const Lanes& late_spin(SpherePlace p) const {
+    return *reinterpret_cast<const Lanes*>(reinterpret_cast<const char*>(late_spins) +
+                                           p.offset / (SpherePlace::unit / sizeof(Lanes)));
+  }
   EPAFI_LANES Lanes& moment(SpherePlace p) const {
     return *reinterpret_cast<Lanes*>(moments + p.offset / (SpherePlace::unit / sizeof(Lanes)));  // NOLINT: an address
   }
@@ -83,7 +86,11 @@ struct SphereTile {
     V lever;             ///< distance over sum of radii
     V approach, middle;  ///< velocity at the detection and in the middle of the step [m/s]
     V inverse_mass, radius;
-    V smaller;                 ///< radius of the pair [m]
+    V smaller;  ///< radius of the pair [m]
+    // where dashpots or rolling read them:
+    V radius_a, radius_b;      ///< 0 of a wall [m]
+    V3 nearer;                 ///< velocity of A against B at the detection, without the flow of a cell [m/s]
+    V3 turning;                ///< spin of B against A in the middle of the step [rad/s]
     V3 slip;                   ///< velocity, in the middle of the step [m/s]; of rolling springs [rad/s]
     V twist;                   ///< about the normal in the step [rad]
     V force;                   ///< [N]

@@ -55,19 +55,15 @@ EPAFI_LANES double square_of_arm(const Vec3& offset, double arm, const std::arra
 template <int n>
 struct SphereSide {
   using V = typename LanesOf<n>::Real;
-  VectorsOf<V> velocity{}, spin{}, late_spin{};  ///< velocity: at the time of the detection
-  V radius{}, inverse_inertia{}, slip_mobility{}, rolling_mobility{};
+  VectorsOf<V> late_spin{};
+  V inverse_inertia{}, slip_mobility{}, rolling_mobility{};
 
   /// place(lane): of the sphere; normal: from it to the other one.
   template <class Place>
-  EPAFI_LANES void read(const SphereArrays& with, const Place& place, const V& lever, const VectorsOf<V>& normal) {
-    V none;
-    read_columns([&](int l) EPAFI_INLINED { return row<n>(with.state(place(l)).predicted); }, velocity.x, velocity.y,
-                 velocity.z, inverse_inertia);
-    read_columns([&](int l) EPAFI_INLINED { return row<n>(with.state(place(l)).spin); }, spin.x, spin.y, spin.z,
-                 radius);
+  EPAFI_LANES void read(const SphereArrays& with, const Place& place, const V& radius, const V& lever,
+                        const VectorsOf<V>& normal) {
     read_columns([&](int l) EPAFI_INLINED { return row<n>(with.late_spin(place(l))); }, late_spin.x, late_spin.y,
-                 late_spin.z, none);
+                 late_spin.z, inverse_inertia);
     V inverse_mass{};
     for (int l = 0; l < n; ++l) inverse_mass[l] = with.state(place(l)).velocity[3];
     const V arm = radius * lever;
@@ -87,26 +83,27 @@ EPAFI_LANES void find_rolling(const SphereTile<n>& t, SphereRolling<n>& r, std::
   const SphereArrays& with = *call.arrays;
   using V = typename LanesOf<n>::Real;
   const SpherePlaces* bodies = t.bodies + g * n;
+  const typename SphereTile<n>::Group& c = t.group[g];
   const VectorsOf<V> normal = t.normal(g);
   SphereSide<n> a, b;
   a.read(
-      with, [&](int l) EPAFI_INLINED { return bodies[l].a; }, t.group[g].lever, normal);
+      with, [&](int l) EPAFI_INLINED { return bodies[l].a; }, c.radius_a, c.lever, normal);
   if (!call.wall)
     b.read(
-        with, [&](int l) EPAFI_INLINED { return bodies[l].b; }, t.group[g].lever, -normal);
-  VectorsOf<V> velocity = b.velocity - a.velocity;
+        with, [&](int l) EPAFI_INLINED { return bodies[l].b; }, c.radius_b, c.lever, -normal);
+  VectorsOf<V> velocity = -c.nearer;
   if (call.periodic && !call.wall) {  // the flow of a deforming cell comes on top
     const V length = t.column(t.distance, g);
     const Lanes& rate = with.strain_rate;
     velocity =
         velocity + VectorsOf<V>{rate[0] * length * normal.x, rate[1] * length * normal.y, rate[2] * length * normal.z};
   }
-  const VectorsOf<V> turning = t.group[g].lever * (a.radius * a.late_spin + b.radius * b.late_spin);
+  const VectorsOf<V> turning = c.lever * (c.radius_a * a.late_spin + c.radius_b * b.late_spin);
   r.slip[g] = in_plane(velocity, normal) - turning.cross(normal);
   r.slip_mobility[g] = a.slip_mobility + b.slip_mobility;
   if (!with.passes->needs.rolling) return;
   r.spin[g] = in_plane(b.late_spin - a.late_spin, normal);
-  r.turning[g] = in_plane(b.spin - a.spin, normal);
+  r.turning[g] = in_plane(c.turning, normal);
   r.inertia[g] = 1.0 / (a.rolling_mobility + b.rolling_mobility);
   r.spin_inertia[g] = 1.0 / (a.inverse_inertia + b.inverse_inertia);
 }
