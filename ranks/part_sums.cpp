@@ -32,7 +32,7 @@ void Part::join_held_loads() {
   for (Slot s = 0; s < world.size(); ++s)
     if (!world.is_movable(s)) held.push_back(s);
   const auto counts = [&](Slot a, Slot b) { return tells_of(world, a, b); };
-  std::vector<std::byte> rows, all;
+  RowBytes rows, all;
   for (const HeldLoad& load : held_loads(world, sim_.work.contacts, held, counts)) append_row(rows, load);
   gather_rows(rows, sizeof(HeldLoad), all);
   std::vector<double> sums(6 * held.size());
@@ -56,7 +56,7 @@ void Part::take_off_held_pulls() {
   World& world = sim_.world;
   std::vector<HeldPull> mine;
   if (const SharedModel* model = shared_model()) model->append_held_pulls(world, mine);
-  std::vector<std::byte> rows, all;
+  RowBytes rows, all;
   for (const HeldPull& pull : mine) append_row(rows, pull);
   gather_rows(rows, sizeof(HeldPull), all);
   std::uint64_t size = all.size();
@@ -82,7 +82,7 @@ void Part::join_virial() {
   Virial mine;
   mine.contacts = virial_sums(world, sim_.work.contacts);
   if (const SharedModel* model = shared_model()) model->add_virial(world, mine);
-  std::vector<std::byte> row, all;
+  RowBytes row, all;
   append_row(row, mine);
   gather_rows(row, sizeof mine, all);
   Virial sum;
@@ -109,7 +109,7 @@ RemoteTotals Part::totals(bool overlaps) {
     sum_overlaps();
     mine.overlaps = *overlaps_;
   }
-  std::vector<std::byte> row, all;
+  RowBytes row, all;
   append_row(row, mine);
   gather_rows(row, sizeof mine, all);
   RemoteTotals sum;
