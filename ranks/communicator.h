@@ -28,7 +28,7 @@ void max_over_ranks(std::span<double> numbers);
 /// Sums and largest ones of all ranks in one message, which travels while its owner computes.
 class Joint {
  public:
-  static constexpr std::size_t most = 24;  ///< numbers in all
+  static constexpr std::size_t most = 32;  ///< numbers in all
   Joint();
   ~Joint();
   Joint(const Joint&) = delete;
