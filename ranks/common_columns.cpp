@@ -19,7 +19,7 @@ void take_common(StateImage& image) {
   for (const ImageColumn& c : image)
     if (!has_rows(c)) sizes.push_back(c.data.size());
   broadcast(sizes.data(), sizes.size() * sizeof sizes[0]);
-  std::vector<std::byte> all;
+  RowBytes all;
   for (const ImageColumn& c : image)
     if (!has_rows(c) && rank_number() == 0) all.insert(all.end(), c.data.begin(), c.data.end());
   all.resize(std::accumulate(sizes.begin(), sizes.end(), std::uint64_t{0}));

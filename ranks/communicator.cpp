@@ -119,7 +119,7 @@ std::vector<double> gather_numbers(double mine) {
   return all;
 }
 
-void gather_rows(const std::vector<std::byte>& mine, std::size_t row, std::vector<std::byte>& all) {
+void gather_rows(const RowBytes& mine, std::size_t row, RowBytes& all) {
   const int count = static_cast<int>(mine.size() / row);
   const bool is_first = rank_number() == 0;
   std::vector<int> counts(is_first ? static_cast<std::size_t>(rank_count()) : 0), first(counts.size() + 1, 0);

@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "ranks/row_bytes.h"
+
 namespace epafi {
 
 /// Between these two lies everything else; main thread only.
@@ -26,7 +28,7 @@ void max_over_ranks(std::span<double> numbers);
 /// Sums and largest ones of all ranks in one message, which travels while its owner computes.
 class Joint {
  public:
-  static constexpr std::size_t most = 24;  ///< numbers in all
+  static constexpr std::size_t most = 32;  ///< numbers in all
   Joint();
   ~Joint();
   Joint(const Joint&) = delete;
@@ -43,6 +45,6 @@ class Joint {
 /// A number of each rank, at rank 0; empty elsewhere.
 std::vector<double> gather_numbers(double mine);
 /// Rows of so many bytes of all ranks, one rank behind the other, come to rank 0; `all` is empty elsewhere.
-void gather_rows(const std::vector<std::byte>& mine, std::size_t row, std::vector<std::byte>& all);
+void gather_rows(const RowBytes& mine, std::size_t row, RowBytes& all);
 
 }  // namespace epafi

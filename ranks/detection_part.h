@@ -42,7 +42,7 @@ class DetectionPart {
   PairList pairs_;                    ///< those that this rank tests
   bool listed_ = false;               ///< they are those of the last list
   double own_ = 0.0;                  ///< free bodies of this rank
-  std::vector<std::byte> out_, in_;
+  RowBytes out_, in_;
   WorkMeter work_;
   PartFigures figures_;
 };

@@ -27,7 +27,7 @@ class Halo {
  private:
   Plan plan_;
   std::vector<Slot> from_, into_;
-  std::vector<std::byte> out_, in_;
+  RowBytes out_, in_;
   double bytes_ = 0.0;
 };
 

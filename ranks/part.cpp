@@ -106,7 +106,7 @@ void Part::give(Simulation* whole) {
 
 void Part::give_places(Simulation* whole) {
   const World& world = sim_.world;
-  std::vector<std::byte> rows, arrived;
+  RowBytes rows, arrived;
   for (Slot s = 0; s < world.size(); ++s)
     if (world.owner[s] == World::here) append_row(rows, place_of(world, s));
   Plan plan(std::vector<int>(rows.size() / sizeof(PlaceRow), 0));
@@ -120,7 +120,7 @@ void Part::give_places(Simulation* whole) {
 }
 
 /// Those that this rank tells of; in_pieces: those of the model behind the others, as its own.
-std::vector<std::byte> Part::contact_rows(bool in_pieces) {
+RowBytes Part::contact_rows(bool in_pieces) {
   const World& world = sim_.world;
   ContactSet& set = sim_.work.contacts;
   const ContactModel& model = *sim_.pipeline.contact_model;
@@ -129,7 +129,7 @@ std::vector<std::byte> Part::contact_rows(bool in_pieces) {
     join_virial();
     model.publish(world, set);
   }
-  std::vector<std::byte> rows;
+  RowBytes rows;
   const auto add = [&](const ContactSet& contacts, bool own) {
     for (std::size_t k = 0; k < contacts.size(); ++k)
       if (tells_of(world, contacts.a[k], contacts.b[k])) append_row(rows, row_of(contacts, k, world, own));
@@ -166,7 +166,7 @@ struct ContactKey {
 }  // namespace
 
 /// Those of the model stand by the lower place, or the ball's at a plane.
-void Part::put_contacts(const std::vector<std::byte>& rows, World& world, ContactSet& all) const {
+void Part::put_contacts(const RowBytes& rows, World& world, ContactSet& all) const {
   const auto is_plane = [&](Slot s) { return std::isinf(territory_.radius(world.shape[s])); };
   const auto place_of = [&](Slot s, Feature& parts) -> PlaceInModel {
     const bool clump = territory_.is_clump(world.shape[s]);
@@ -195,8 +195,8 @@ void Part::put_contacts(const std::vector<std::byte>& rows, World& world, Contac
 void Part::give_contacts(Simulation* whole, bool in_pieces) {
   RankTimer timer(figures_);
   give_places(whole);
-  const std::vector<std::byte> rows = contact_rows(in_pieces);
-  std::vector<std::byte> arrived;
+  const RowBytes rows = contact_rows(in_pieces);
+  RowBytes arrived;
   Plan plan(std::vector<int>(rows.size() / sizeof(ContactRow), 0));
   plan.run(rows, sizeof(ContactRow), arrived);
   figures_.bytes += static_cast<double>(rows.size());

@@ -51,8 +51,8 @@ class Part {
   void suit_margin(double longest);
   void settle(StateImage& image, const Arrival& arrival);
   void give_places(Simulation* whole);
-  std::vector<std::byte> contact_rows(bool in_pieces);
-  void put_contacts(const std::vector<std::byte>& rows, World& world, ContactSet& all) const;
+  RowBytes contact_rows(bool in_pieces);
+  void put_contacts(const RowBytes& rows, World& world, ContactSet& all) const;
   void note_overlaps();
   void sum_overlaps();
   bool is_sound(const std::optional<Domain>& domain) const;

@@ -18,7 +18,7 @@ RankFigures gather_figures(const PartFigures& mine) {
   all.ghosts = sums[0] > 0.0 ? sums[1] / sums[0] : 0.0;
   all.bytes_per_step = sums[2] / steps;
   all.moves = mine.moved;
-  std::vector<std::byte> row, rows;
+  RowBytes row, rows;
   append_row(row, mine.seconds);
   gather_rows(row, sizeof mine.seconds, rows);
   for (std::size_t k = 0; k < rows.size() / sizeof mine.seconds; ++k)

@@ -32,7 +32,7 @@ void Part::join_held_loads() {
   for (Slot s = 0; s < world.size(); ++s)
     if (!world.is_movable(s)) held.push_back(s);
   const auto counts = [&](Slot a, Slot b) { return tells_of(world, a, b); };
-  std::vector<std::byte> rows, all;
+  RowBytes rows, all;
   for (const HeldLoad& load : held_loads(world, sim_.work.contacts, held, counts)) append_row(rows, load);
   gather_rows(rows, sizeof(HeldLoad), all);
   std::vector<double> sums(6 * held.size());
@@ -56,7 +56,7 @@ void Part::take_off_held_pulls() {
   World& world = sim_.world;
   std::vector<HeldPull> mine;
   if (const SharedModel* model = shared_model()) model->append_held_pulls(world, mine);
-  std::vector<std::byte> rows, all;
+  RowBytes rows, all;
   for (const HeldPull& pull : mine) append_row(rows, pull);
   gather_rows(rows, sizeof(HeldPull), all);
   std::uint64_t size = all.size();
@@ -82,7 +82,7 @@ void Part::join_virial() {
   Virial mine;
   mine.contacts = virial_sums(world, sim_.work.contacts);
   if (const SharedModel* model = shared_model()) model->add_virial(world, mine);
-  std::vector<std::byte> row, all;
+  RowBytes row, all;
   append_row(row, mine);
   gather_rows(row, sizeof mine, all);
   Virial sum;
@@ -109,7 +109,7 @@ RemoteTotals Part::totals(bool overlaps) {
     sum_overlaps();
     mine.overlaps = *overlaps_;
   }
-  std::vector<std::byte> row, all;
+  RowBytes row, all;
   append_row(row, mine);
   gather_rows(row, sizeof mine, all);
   RemoteTotals sum;
@@ -146,8 +146,9 @@ void Part::begin_sums(bool sound, const std::optional<Domain>& domain) {
   const StepReport& mine = sim_.work.report;
   const bool ahead = sim_.is_ahead();
   const Extent next = ahead ? shared_model()->begun() : Extent();
-  const SharedList* list = shared_list();
-  const std::array<double, 15> sums{static_cast<double>(mine.pairs),
+  const SharedList* const list = shared_list();
+  const SharedList::End end = list ? list->foreseen() : SharedList::End{};
+  const std::array<double, 16> sums{static_cast<double>(mine.pairs),
                                     static_cast<double>(mine.contacts),
                                     static_cast<double>(mine.touching),
                                     mine.elastic,
@@ -161,14 +162,15 @@ void Part::begin_sums(bool sound, const std::optional<Domain>& domain) {
                                     asks() ? 1.0 : 0.0,
                                     ahead ? 1.0 : 0.0,
                                     own_ > 0.0 && !next.is_inside(domain) ? 1.0 : 0.0,
-                                    list && list->wears_out() ? 1.0 : 0.0};
+                                    end.comes ? 1.0 : 0.0,
+                                    end.by_slow ? 1.0 : 0.0};
   std::array<double, 9> largest{mine.deepest, mine.deepest_relative};
   std::ranges::copy(ahead ? speeds_of(next) : speeds_of_own(), largest.begin() + 2);  // accelerations have acted
   joint_.begin(sums, largest);
 }
 
 void Part::finish_sums(StepReport& report, bool& sound) {
-  std::array<double, 15> sums{};
+  std::array<double, 16> sums{};
   std::array<double, 9> largest{};
   joint_.finish(sums, largest);
   report.pairs = static_cast<std::size_t>(sums[0]);
@@ -185,7 +187,7 @@ void Part::finish_sums(StepReport& report, bool& sound) {
   asked_ = sums[11] != 0.0;
   if (sums[12] != (sim_.is_ahead() ? rank_count() : 0.0)) throw std::logic_error("ranks are in different steps");
   inside_ = sums[13] == 0.0;
-  if (SharedList* list = shared_list(); list && sums[14] != 0.0) list->wear_out();
+  if (SharedList* list = shared_list()) list->end_with_others({sums[14] != 0.0, sums[15] != 0.0});
 }
 
 }  // namespace epafi

@@ -26,7 +26,7 @@ struct Plan::Messages {
   std::vector<std::size_t> order;  ///< of the rows, by rank
   bool in_order = true;            ///< that is the order in which they are
   std::vector<Share> out, in;
-  std::vector<std::byte> packed;  ///< until they have gone
+  RowBytes packed;  ///< until they have gone
   std::vector<MPI_Request> requests;
 };
 
@@ -65,7 +65,7 @@ std::size_t Plan::received() const {
   return in.empty() ? 0 : in.back().end;
 }
 
-void Plan::begin(const std::vector<std::byte>& rows, std::size_t row, std::vector<std::byte>& arrived) {
+void Plan::begin(const RowBytes& rows, std::size_t row, RowBytes& arrived) {
   EPAFI_REQUIRE(rows.size() == sent() * row, "a row for each place of the plan");
   Messages& m = *messages_;
   arrived.resize(received() * row);
@@ -77,11 +77,21 @@ void Plan::begin(const std::vector<std::byte>& rows, std::size_t row, std::vecto
     call(bytes + share.begin * row, static_cast<int>(share.end - share.begin), type, share.rank, tag_of_rows,
          MPI_COMM_WORLD, &m.requests.emplace_back());
   };
-  for (const Share& share : m.in) post(share, arrived.data(), MPI_Irecv);
+  const int own = rank_number();
+  for (const Share& share : m.in)
+    if (share.rank != own) post(share, arrived.data(), MPI_Irecv);
   m.packed.resize(m.in_order ? 0 : rows.size());
   for (std::size_t k = 0; k < m.packed.size() / row; ++k)
     std::memcpy(m.packed.data() + k * row, rows.data() + m.order[k] * row, row);
-  for (const Share& share : m.out) post(share, m.in_order ? rows.data() : m.packed.data(), MPI_Isend);
+  const std::byte* const from = m.in_order ? rows.data() : m.packed.data();
+  for (const Share& share : m.out) {
+    if (share.rank != own) {
+      post(share, from, MPI_Isend);
+      continue;
+    }
+    const auto mine = std::ranges::find(m.in, own, &Share::rank);
+    std::memcpy(arrived.data() + mine->begin * row, from + share.begin * row, (share.end - share.begin) * row);
+  }
   MPI_Type_free(&type);
 }
 

@@ -6,6 +6,8 @@
 #include <memory>
 #include <vector>
 
+#include "ranks/row_bytes.h"
+
 namespace epafi {
 
 class Plan {
@@ -20,13 +22,13 @@ class Plan {
   std::size_t sent() const;
   std::size_t received() const;
   /// Rows of so many bytes, in the order of `to`. They come by rank, those of one rank as it sent them.
-  void run(const std::vector<std::byte>& rows, std::size_t row, std::vector<std::byte>& arrived) {
+  void run(const RowBytes& rows, std::size_t row, RowBytes& arrived) {
     begin(rows, row, arrived);
     finish();
   }
   /// The same in two steps. Nobody waits for ranks that send him nothing; neither vector is touched in between. Rows in
   /// the order of their ranks are sent from where they are.
-  void begin(const std::vector<std::byte>& rows, std::size_t row, std::vector<std::byte>& arrived);
+  void begin(const RowBytes& rows, std::size_t row, RowBytes& arrived);
   void finish();
 
  private:

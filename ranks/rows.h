@@ -4,17 +4,18 @@
 #include <vector>
 
 #include "engine/state/contacts.h"
+#include "ranks/row_bytes.h"
 
 namespace epafi {
 
 template <class Row>
-void append_row(std::vector<std::byte>& rows, const Row& row) {
+void append_row(RowBytes& rows, const Row& row) {
   rows.resize(rows.size() + sizeof row);
   std::memcpy(rows.data() + rows.size() - sizeof row, &row, sizeof row);
 }
 
 template <class Row>
-Row row_at(const std::vector<std::byte>& rows, std::size_t k) {
+Row row_at(const RowBytes& rows, std::size_t k) {
   Row row;
   std::memcpy(&row, rows.data() + k * sizeof row, sizeof row);
   return row;

@@ -20,7 +20,8 @@ class ImageSaver final : public StateVisitor {
  protected:
   std::size_t bytes_of(std::string_view, std::size_t, std::size_t current) override { return current; }
   void exchange(std::string_view name, std::size_t element, std::byte* data, std::size_t bytes) override {
-    image.push_back({std::string(name), whose(), element, std::vector<std::byte>(data, data + bytes)});
+    image.push_back({std::string(name), whose(), element, RowBytes(bytes)});
+    if (bytes > 0) std::memcpy(image.back().data.data(), data, bytes);
   }
 };
 
@@ -66,7 +67,7 @@ struct RowGroup {
   void read(const std::byte* rows, std::size_t apart, const std::vector<std::uint32_t>& order) const {
     std::size_t offset = 0;
     for (ImageColumn* c : columns) {
-      c->data.resize(order.size() * c->row);
+      renew(c->data, order.size() * c->row);
       for (std::size_t k = 0; k < order.size(); ++k)
         std::memcpy(c->data.data() + k * c->row, rows + order[k] * apart + offset, c->row);
       offset += c->row;
@@ -115,24 +116,25 @@ struct Parcel {
     std::size_t k;
   };
   std::vector<Item> items{};
-  std::vector<std::byte> rows{};
+  RowBytes rows{};
 
   void add(int rank, const Head& head, std::size_t k) { items.push_back({rank, head, k}); }
   std::vector<Head> send(double& bytes) {
-    std::ranges::stable_sort(items, {}, &Item::rank);
+    std::vector<std::size_t> next(static_cast<std::size_t>(rank_count()) + 1, 0);  // row of each rank
+    for (const Item& item : items) ++next[static_cast<std::size_t>(item.rank) + 1];
+    std::partial_sum(next.begin(), next.end(), next.begin());
     rows.resize(items.size() * (sizeof(Head) + row));
-    std::vector<int> to;
-    to.reserve(items.size());
-    std::byte* at = rows.data();
+    std::vector<int> to(items.size());
     for (const Item& item : items) {
-      to.push_back(item.rank);
+      const std::size_t k = next[static_cast<std::size_t>(item.rank)]++;
+      std::byte* const at = rows.data() + k * (sizeof(Head) + row);
+      to[k] = item.rank;
       std::memcpy(at, &item.head, sizeof(Head));
       group.write(item.k, at + sizeof(Head));
-      at += sizeof(Head) + row;
     }
     bytes += static_cast<double>(rows.size());
     Plan plan(to);
-    std::vector<std::byte> arrived;
+    RowBytes arrived;
     plan.run(rows, sizeof(Head) + row, arrived);
     rows.swap(arrived);
     std::vector<Head> heads(plan.received());
@@ -145,6 +147,25 @@ struct Parcel {
   }
 };
 
+/// What is sorted from rank to rank is sorted in all then.
+template <class Less>
+void merge_runs(std::vector<std::uint32_t>& order, const Less& less) {
+  std::vector<std::size_t> begin{0};
+  for (std::size_t k = 1; k < order.size(); ++k)
+    if (less(order[k], order[k - 1])) begin.push_back(k);
+  begin.push_back(order.size());
+  const auto at = [&](std::size_t run) { return order.begin() + static_cast<std::ptrdiff_t>(begin[run]); };
+  while (begin.size() > 2) {
+    std::vector<std::size_t> merged{0};
+    for (std::size_t run = 0; run + 1 < begin.size(); run += 2) {
+      const std::size_t last = std::min(run + 2, begin.size() - 1);
+      std::inplace_merge(at(run), at(run + 1), at(last), less);
+      merged.push_back(begin[last]);
+    }
+    begin.swap(merged);
+  }
+}
+
 /// In the order of all bodies.
 void exchange_bodies(const RowGroup& group, const Routes& routes, Arrival& arrival) {
   Parcel<BodyHead> parcel{group};
@@ -155,7 +176,9 @@ void exchange_bodies(const RowGroup& group, const Routes& routes, Arrival& arriv
   const std::vector<BodyHead> heads = parcel.send(arrival.bytes);
   std::vector<std::uint32_t> order(heads.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::ranges::sort(order, {}, [&](std::uint32_t k) { return heads[k].place; });
+  merge_runs(order, [&](std::uint32_t i, std::uint32_t k) { return heads[i].place < heads[k].place; });
+  arrival.place.reserve(order.size());
+  arrival.owner.reserve(order.size());
   for (const std::uint32_t k : order) {
     arrival.place.push_back(heads[k].place);
     arrival.owner.push_back(heads[k].owner);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/state/state_visitor.h"
+#include "ranks/row_bytes.h"
 
 namespace epafi {
 
@@ -14,7 +15,7 @@ struct ImageColumn {
   std::string name;
   RowsOf whose = RowsOf::nobody;
   std::size_t row = 0;  ///< bytes of one
-  std::vector<std::byte> data;
+  RowBytes data;
   std::size_t rows() const { return data.size() / row; }
 };
 using StateImage = std::vector<ImageColumn>;

@@ -76,20 +76,24 @@ bool BlockBoundPairs::keep_bounds(const World& world) {
   return true;
 }
 
-/// By displacements as long as in this step. True where the list ends in this one, with those of other processes.
-bool BlockBoundPairs::foresees_end(std::span<const double> displacements, double strain_use) {
+/// Foresees the end by displacements as long as in this step. True where the list ends in this one, with those of other
+/// processes.
+bool BlockBoundPairs::ends_with_others(std::span<const double> displacements, double strain_use,
+                                       const ListState& nearly_used_up) {
   double used = strain_use, next = used;
   for (std::size_t b = 0; b < displacements.size(); ++b) {
     used = std::max(used, used_margin_[b] + strain_use);
     next = std::max(next, used_margin_[b] + displacements[b] + strain_use);
   }
-  wears_out_ = next >= nearly;
-  return used_up_.out = all_wear_out_ && used > 0.5;
+  foreseen_ = {next >= nearly, nearly_used_up.by_slow};
+  if (!theirs_.comes || !(used > 0.5)) return false;
+  used_up_ = {true, theirs_.by_slow};
+  return true;
 }
 
 bool BlockBoundPairs::keeps_pairs(const World& world) {
   list_->see_time(world.time);
-  wears_out_ = false;
+  foreseen_ = {};
   const std::span<const double> displacements = model() ? model()->largest_displacements() : std::span<const double>{};
   displacements_known_ = !displacements.empty() && list_->bodies().bodies() == world.size();
   const bool known = keep_bounds(world);
@@ -114,19 +118,23 @@ bool BlockBoundPairs::keeps_pairs(const World& world) {
       [&](std::size_t k) {
         const std::size_t begin = doubtful_[k] * model()->block_size();
         const std::size_t end = std::min(begin + model()->block_size(), world.size());
-        found[k] = bodies.used_margin(begin, end, at, now);
+        const double limit = world.owner.empty() ? 1.0 : nearly - displacements[doubtful_[k]];
+        found[k] = bodies.used_margin(begin, end, at, now, limit);
         used_margin_[doubtful_[k]] = found[k].most - now.strain_use;
       },
       1);
   const double planes = bodies.plane_use(world, now);
   used_up_.out = planes > 1.0;
   bool keeps = planes < nearly;
+  ListState nearly_used_up;
   for (const MarginUse& w : found) {
-    used_up_ += w.used_up;
+    used_up_.out = used_up_.out || w.most > 1.0;
+    nearly_used_up += w.used_up;
     keeps = keeps && w.most < nearly;
   }
-  if (keeps && !world.owner.empty()) keeps = !foresees_end(displacements, now.strain_use);
-  all_wear_out_ = false;
+  used_up_.by_slow = nearly_used_up.by_slow;
+  if (keeps && !world.owner.empty()) keeps = !ends_with_others(displacements, now.strain_use, nearly_used_up);
+  theirs_ = {};
   return keeps;
 }
 

@@ -23,8 +23,8 @@ class BlockBoundPairs final : public BroadPhase, public SharedList {
   const char* name() const override { return list_->name(); }
   void find_pairs(const World& world, PairList& pairs) override;
   bool keeps_pairs(const World& world) override;
-  bool wears_out() const override { return wears_out_; }
-  void wear_out() override { all_wear_out_ = true; }
+  End foreseen() const override { return foreseen_; }
+  void end_with_others(const End& theirs) override { theirs_ = theirs; }
   void reorder(const Reordering& change) override {
     used_margin_.clear();
     list_->reorder(change);
@@ -37,7 +37,7 @@ class BlockBoundPairs final : public BroadPhase, public SharedList {
 
  private:
   bool keep_bounds(const World& world);
-  bool foresees_end(std::span<const double> displacements, double strain_use);
+  bool ends_with_others(std::span<const double> displacements, double strain_use, const ListState& nearly_used_up);
   std::size_t block_size() const;
   std::size_t blocks(const World& world) const;
   ListState measure(const World& world);
@@ -48,9 +48,9 @@ class BlockBoundPairs final : public BroadPhase, public SharedList {
   const Pipeline& pipeline_;
   std::vector<double>
       used_margin_;  ///< by block of the model: at least the largest used_margin of its bodies; empty: not known
-  bool displacements_known_ = false;               ///< in this step
-  bool wears_out_ = false, all_wear_out_ = false;  ///< as SharedList has them
-  Vec3 cell_size_ = Vec3::Zero();                  ///< as used_margin_ knows it, in a periodic cell [m]
+  bool displacements_known_ = false;   ///< in this step
+  End foreseen_, theirs_;              ///< as SharedList has them: of this process, of all in this step
+  Vec3 cell_size_ = Vec3::Zero();      ///< as used_margin_ knows it, in a periodic cell [m]
   std::vector<Wraps> wraps_;           ///< the same: bodies put back into the cell have moved by an edge of it
   ListState used_up_;                  ///< state of the list when it ended
   std::vector<std::size_t> doubtful_;  ///< blocks whose bound has reached the margin

@@ -77,9 +77,10 @@ struct ListState {
 struct MarginUse {
   double most = 0.0;
   ListState used_up{};
-  void see(double used_margin, bool slow) {
+  /// limit: above it the list is used up.
+  void see(double used_margin, bool slow, double limit) {
     most = std::max(most, used_margin);
-    used_up.see(used_margin > 1.0, slow);
+    used_up.see(used_margin > limit, slow);
   }
 };
 
@@ -156,13 +157,14 @@ struct FatBodies {
   /// Of spheres, or bodies that stay: at(s) says where slot s of [begin, end) is now. Half-spaces that may move are
   /// left out.
   template <class At>
-  MarginUse used_margin(std::size_t begin, std::size_t end, const At& at, const ListFrame& now) const {
+  MarginUse used_margin(std::size_t begin, std::size_t end, const At& at, const ListFrame& now,
+                        double limit = 1.0) const {
     MarginUse most;
     const double growth = now.growth();
     for (std::size_t s = begin; s < end; ++s)
       if (!is_loose_plane(s))
         most.see(growth * displacement(s, now.back(at(s))) * double{inverse_half_margin[s]} + now.strain_use,
-                 slow_[s] != 0);
+                 slow_[s] != 0, limit);
     return most;
   }
   /// How much nearer the half-spaces that may move have come to where the bodies are, over half their margins: the

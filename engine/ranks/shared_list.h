@@ -7,10 +7,14 @@ namespace epafi {
 class SharedList {
  public:
   virtual ~SharedList() = default;
-  /// It will not last for the next step.
-  virtual bool wears_out() const = 0;
-  /// That of some process will not: a new one in the next step, if half of this one is used up.
-  virtual void wear_out() = 0;
+  /// Of what a list lasts no longer.
+  struct End {
+    bool comes = false;    ///< it will not last for the next step
+    bool by_slow = false;  ///< a body of the least margin will have used it up, from which the next margins are learned
+  };
+  virtual End foreseen() const = 0;
+  /// That of some process will end so: a new one in the next step, if half of this one is used up.
+  virtual void end_with_others(const End& theirs) = 0;
 };
 
 }  // namespace epafi

@@ -126,7 +126,7 @@ TEST_CASE("a plan brings rows of any size to their ranks, the same way each time
   for (int k = 0; k < 3 * size + me; ++k) to.push_back((k * 7 + me) % size);  // in no order
   Plan plan(to);
   for (const std::size_t words : {1u, 3u, 40u}) {
-    std::vector<std::byte> rows(to.size() * words * 4), arrived;
+    RowBytes rows(to.size() * words * 4), arrived;
     for (std::size_t k = 0; k < to.size(); ++k)
       for (std::size_t w = 0; w < words; ++w) {
         const auto x = static_cast<std::uint32_t>(1000 * static_cast<std::size_t>(me) + 10 * k + w);

@@ -117,7 +117,7 @@ struct Box {
 /// What a run has come to: bodies to the bit, what contacts remember, contacts, energies.
 struct Outcome {
   std::string hash;
-  std::map<std::string, std::vector<std::byte>> memory;
+  std::map<std::string, RowBytes> memory;
   std::vector<std::tuple<Slot, Slot, Feature, double, double, double, double>> contacts;
   double elastic = 0.0, dissipated = 0.0;
   std::size_t touching = 0;
