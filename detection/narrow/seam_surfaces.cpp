@@ -1,10 +1,11 @@
 /// What a body touches as one surface: walls that move as one, and a wall for all parts of a body.
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <type_traits>
 
 #include "detection/narrow/few_points.h"
-#include "detection/narrow/polyhedra/manifold.h"
+#include "detection/narrow/pairs/pair_table.h"
 #include "detection/narrow/seams.h"
 
 namespace epafi {
@@ -13,16 +14,24 @@ namespace {
 
 constexpr double top_cosine = 0.9987;  // sides are told apart by facing_sine
 
+/// The name that a point has where the two bodies are exchanged.
+Feature exchanged_feature(Feature f) {
+  FeatureKind kind = feature_kind(f);
+  if (kind == FeatureKind::vertex_a || kind == FeatureKind::vertex_b)
+    kind = kind == FeatureKind::vertex_a ? FeatureKind::vertex_b : FeatureKind::vertex_a;
+  return (f >> 48 << 48) | make_feature(kind, feature_vertex_b(f), feature_vertex_a(f));
+}
+
 }  // namespace
 
-/// Two walls that move as one are one surface.
-void Seams::join(const World& world, const Candidate& c, const Other& other) {
-  const bool as_one = !world.is_movable(c.wall) && !world.is_movable(other.wall) &&
-                      world.velocity[c.wall] == world.velocity[other.wall] &&
-                      (!world.rotates() || world.angular_velocity[c.wall] == world.angular_velocity[other.wall]);
-  if (!as_one) return;
-  const std::uint32_t p = surface_of(static_cast<std::uint32_t>(c.group - groups_.data())),
-                      q = surface_of(static_cast<std::uint32_t>(other.held - groups_.data()));
+bool Seams::move_as_one(const World& world, Slot p, Slot q) {
+  return !world.is_movable(p) && !world.is_movable(q) && world.velocity[p] == world.velocity[q] &&
+         (!world.rotates() || world.angular_velocity[p] == world.angular_velocity[q]);
+}
+
+void Seams::join(const Group& first, const Group& second) {
+  const std::uint32_t p = surface_of(static_cast<std::uint32_t>(&first - groups_.data())),
+                      q = surface_of(static_cast<std::uint32_t>(&second - groups_.data()));
   surface_[std::max(p, q)] = std::min(p, q);
 }
 
@@ -31,8 +40,25 @@ std::uint32_t Seams::surface_of(std::uint32_t group) const {
   return group;
 }
 
+/// Level walls are one surface to a body of parts that spans what is between them.
+void Seams::join_spanned(const World& world, const ContactSet& contacts) {
+  for (std::uint32_t k = 0; k < groups_.size() && solids_; ++k)
+    for (const bool body_is_b : {false, true}) {
+      const Slot body = groups_[k].of(body_is_b), wall = groups_[k].of(!body_is_b);
+      if (parts_[body] == 0 || world.is_movable(wall)) continue;
+      const Vec3& normal = contacts.normal[groups_[k].begin];
+      for (const std::uint32_t m : of_body_.at(body)) {
+        if (m >= k) break;
+        if (!move_as_one(world, wall, groups_[m].of(groups_[m].a == body))) continue;
+        find_tops(world, std::array{m, k}, body, body_is_b ? normal : Vec3(-normal));
+        if (tops_.size() == 2) join(groups_[k], groups_[m]);
+      }
+    }
+}
+
 /// Contacts of one surface come in the order of the ids of its walls: slots change.
 void Seams::rest_on_few(const World& world, ContactSet& contacts) {
+  join_spanned(world, contacts);
   ordered_.clear();
   for (std::uint32_t k = 0; k < groups_.size(); ++k) {
     const std::uint32_t surface = surface_of(k);
@@ -81,19 +107,21 @@ void Seams::rest_on_few(const World& world, ContactSet& contacts, std::span<cons
   outlines_[1].side = -1.0;
   if (surface.size() > 1 && !foreseen_) {
     join_all();
-    if (parts_[body] == 0) rest_on_tops(world, contacts, surface, size);
+    rest_on_tops(world, contacts, surface, size);
   }
   const auto outlines = std::span(outlines_).first(springs_ ? outlines_.size() : 0);
   if (points_on_.size() > 1 && keep_few(points_on_, outlines, size, tolerance * size, contacts, hidden_)) join_all();
 }
 
-/// On level walls that are polyhedra a polyhedron rests on its own corners, as on one wall: each pair takes the normal
-/// that gives the least depth, and few of its points, as if the other walls were not there.
+/// On level walls that are polyhedra a body of flat faces rests as on one plate: each pair takes the normal that gives
+/// the least depth, and few of its points, as if the other walls were not there.
 void Seams::rest_on_tops(const World& world, ContactSet& contacts, std::span<const std::uint32_t> surface,
                          double size) {
   const Group& first = groups_[surface.front()];
   const Slot body = first.of(world.is_movable(first.b));
-  for (std::size_t k = 0; k < points_on_.size() && !outlines_[0].corners.empty(); ++k) {
+  if (flat_[body] == 0) return;
+  const std::size_t before = points_on_.size();
+  for (std::size_t k = 0; k < before; ++k) {
     find_tops(world, surface, body, points_on_[k].normal);
     if (tops_.empty()) continue;
     const Vec3 up = tops_.front().side.normal;
@@ -102,8 +130,8 @@ void Seams::rest_on_tops(const World& world, ContactSet& contacts, std::span<con
     double deepest = infinity;
     for (const SurfacePoint& p : points_on_)
       if (is_there(p)) deepest = std::min(deepest, contacts.gap[p.contact]);
-    if (!stand_on_tops(contacts, body, deepest, size)) continue;
-    for (const SurfacePoint& p : points_on_)
+    if (!stand_on_tops(world, contacts, body, deepest, size)) continue;
+    for (const SurfacePoint& p : std::span(points_on_).first(before))
       if (is_there(p) || is_in_joint(p, contacts.gap[p.contact], size)) hidden_[p.contact] = 1;
   }
   std::erase_if(points_on_, [&](const SurfacePoint& p) { return hidden_[p.contact] != 0; });
@@ -145,46 +173,62 @@ bool Seams::is_in_joint(const SurfacePoint& p, double gap, double size) const {
                              [&](const Top& top) { return &top != &*own && is_under(top, on_wall, tolerance * size); });
 }
 
-/// All corners below the tops become contacts, if all are over one and none of the pairs is deeper. A corner belongs to
-/// the wall a little further in: so it has gone over to the next one before the body leaves the last.
-bool Seams::stand_on_tops(ContactSet& contacts, Slot body, double deepest, double size) {
+/// What touches a plate at the tops, if all of that is over one of them and none of the pairs is deeper. A point
+/// belongs to the wall a little further in: so it has gone over to the next one before the body leaves the last.
+bool Seams::stand_on_tops(const World& world, ContactSet& contacts, Slot body, double deepest, double size) {
   const double near = tolerance * size, further_in = 1e-3 * size;
-  static thread_local std::vector<PatchPoint> points;
-  static thread_local std::vector<const Top*> top_of;
-  points.clear();
-  top_of.assign(outlines_[0].corners.size(), nullptr);
-  const Vec3& up = tops_.front().side.normal;
+  const Vec3 up = tops_.front().side.normal;
+  ContactSet& on_plate = meet_plate(world, body, contacts.with_curvature);
+  static thread_local std::vector<const Top*> top_of;  // keeps its size
+  top_of.clear();
   double lowest = infinity;
-  for (std::size_t v = 0; v < top_of.size(); ++v) {
-    const Vec3 tip = outlines_[0].corners[v] - outlines_[0].sweep * up, out = tip - up.dot(tip) * up;
-    if (!(tops_.front().above(tip) < reach_ + near)) continue;
+  for (std::size_t i = 0; i < on_plate.size(); ++i) {
+    const Vec3 tip = on_plate.arm[i] - 0.5 * on_plate.gap[i] * on_plate.normal[i], out = tip - up.dot(tip) * up;
     const Top* under = top_under(tip, near);
-    if (!under && tops_.front().above(tip) < reach_ - near) return false;
-    if (!under) continue;
+    if (!under || !(up.dot(on_plate.normal[i]) < -top_cosine)) return false;
     const Top* inner = top_under(tip - further_in * out.normalized(), near);
-    top_of[v] = inner ? inner : under;
-    const double gap = top_of[v]->above(tip);
-    if (gap < reach_) points.push_back({tip - 0.5 * gap * up, gap, v});
-    lowest = std::min(lowest, gap);
+    top_of.push_back(inner ? inner : under);
+    on_plate.gap[i] += top_of[i]->above(tip) - tops_.front().above(tip);
+    lowest = std::min(lowest, on_plate.gap[i]);
   }
-  if (points.empty() || !(lowest <= deepest + near) || lowest < deepest - std::abs(deepest) - near) return false;
-  Patch patch;
-  keep_corners(points, up, size, springs_, patch);
-  for (std::size_t k = 0; k < static_cast<std::size_t>(patch.count); ++k) {
-    const PatchPoint& p = patch.point[k];
-    const Top& top = *top_of[p.feature];
-    const Group& g = *top.group;
-    const auto v = static_cast<std::uint32_t>(p.feature);
+  if (!(lowest <= deepest + near) || lowest < deepest - std::abs(deepest) - near) return false;
+  for (std::size_t i = 0; i < on_plate.size(); ++i) {
+    const Group& g = *top_of[i]->group;
     const bool of_a = g.a == body;
-    const Feature name = of_a ? make_feature(FeatureKind::vertex_a, v, 0) : make_feature(FeatureKind::vertex_b, 0, v);
-    contacts.append(
-        g.a, g.b,
-        {p.gap, of_a ? Vec3(-top.side.normal) : top.side.normal, of_a ? p.position : Vec3(p.position + g.branch),
-         contacts.with_curvature ? contacts.effective_radius[g.begin] : 0.0,
-         (contacts.feature[g.begin] >> 56 << 56) | name});
+    const Vec3 &n = on_plate.normal[i], &place = on_plate.arm[i];
+    if (parts_[body] != 0) points_on_.push_back({contacts.size(), place, -n});
+    contacts.append(g.a, g.b,
+                    {on_plate.gap[i], of_a ? n : Vec3(-n), of_a ? place : Vec3(place + g.branch),
+                     contacts.with_curvature ? on_plate.effective_radius[i] : 0.0,
+                     (contacts.feature[g.begin] >> 56 << 56) |
+                         (of_a ? on_plate.feature[i] : exchanged_feature(on_plate.feature[i]))});
     hidden_.push_back(0);
   }
-  return true;
+  return !top_of.empty();
+}
+
+/// The contacts of the body with one wide plate under it where the first of the tops is, from the body's centre.
+ContactSet& Seams::meet_plate(const World& world, Slot body, bool curvature) const {
+  static thread_local Box plate;
+  static thread_local ContactSet on_plate;
+  const Top& top = tops_.front();
+  const Vec3& up = top.side.normal;
+  const double half = std::exp2(std::ceil(std::log2(4.0 * radius_[body])));  // the same whatever was asked before
+  if (plate.half.z() != half) plate = Box(Vec3::Constant(half));
+  PairQuery q{{Vec3::Zero(), world.orientation[body]},
+              {-(top.above(Vec3::Zero()) + half) * up, Quat::FromTwoVectors(Vec3::UnitZ(), up)},
+              reach_,
+              curvature};
+  q.wall_b = true;
+  on_plate.clear();
+  on_plate.with_curvature = curvature;
+  ContactSink sink(on_plate);
+  sink.begin(0, 1);
+  shapes_.with(ShapeRef{world.shape[body]}, [&]<class S>(const S& s) {
+    if constexpr (PolyhedralShape<PartOf<S>> || HasFlatSides<PartOf<S>>) pair_table_detail::meet(s, plate, q, sink, {});
+  });
+  sink.end();
+  return on_plate;
 }
 
 /// Of bodies with flat faces; centre: of the body from that of the points.

@@ -227,16 +227,16 @@ S random_body(Random& random) {
 
 const char* const rock_names[] = {"table", "plate", "steps", "hull"};
 
-/// Of all poses, those that may be wrong. On steps, whose faces bend both ways, the region of a flat body may go across
-/// a hollow in which the body is; parts of solids that end at one place each bring a contact.
+/// Of all poses, those that may be wrong: at corners where faces that bend both ways meet the way out of one region
+/// leans on another; parts of solids that end at one place each bring a contact.
 template <class S>
 double known_share(support::RockKind kind) {
   if constexpr (std::is_same_v<S, Sphere>) return 0.0;
   if constexpr (std::is_same_v<S, SolidParts>) return 0.01;
-  const bool steps = kind == support::RockKind::steps, plate = kind == support::RockKind::plate;
-  if constexpr (PolyhedralShape<S>) return steps ? 0.01 : plate ? 2e-3 : 1e-3;
-  if constexpr (std::is_same_v<S, Cylinder>) return steps ? 1e-3 : 2e-4;
-  return 1e-4;
+  const bool steps = kind == support::RockKind::steps;
+  if constexpr (std::is_same_v<S, ConvexHull>) return steps ? 2e-3 : 1e-3;
+  if constexpr (std::is_same_v<S, Box>) return steps ? 5e-4 : 1e-4;
+  return std::is_same_v<S, Cylinder> && steps ? 2e-4 : 1e-4;
 }
 
 template <class S>

@@ -3,10 +3,13 @@
 // order.
 #include <fmt/format.h>
 
+#include <fstream>
+
 #include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/random_geometry.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/stepped_rocks.h"
 
 using namespace epafi;
 
@@ -39,7 +42,8 @@ struct Passage {
   double heading, distance;  ///< [rad], of all from the origin [m]
   Quat turn;                 ///< of the floor
   std::string shape = fmt::format("sphere = {{ radius = {} }}", radius);
-  double height = radius, yaw = 0.0, speed = 0.25;  ///< of its centre over the floor [m], its turn [rad], [m/s]
+  double height = radius, speed = 0.25;  ///< of its centre over the floor [m], [m/s]
+  Quat lay = testing::upright;           ///< of the body on the floor
   std::uint64_t settled_by = 3000, passed_by = 20000;
 };
 
@@ -55,8 +59,9 @@ std::string scene_of(Random& random, const Passage& m, bool one_plate) {
   const Vec3 origin = m.distance * testing::random_direction(random);
   const double side = m.law.hangs ? -1.0 : 1.0;
   std::vector<std::string> bodies;
-  const auto add = [&](const std::string& shape, const Vec3& at, const std::string& more, double yaw = 0.0) {
-    const Quat turn = m.turn * Quat(Eigen::AngleAxisd(yaw, Vec3::UnitZ()));
+  const auto add = [&](const std::string& shape, const Vec3& at, const std::string& more,
+                       const Quat& lay = testing::upright) {
+    const Quat turn = m.turn * lay;
     bodies.push_back(
         fmt::format("[[body]]\nshape = {{ {} }}\nmaterial = \"a\"\nposition = {}\norientation = "
                     "[{:.17g}, {:.17g}, {:.17g}, {:.17g}]\n{}\n",
@@ -78,7 +83,7 @@ std::string scene_of(Random& random, const Passage& m, bool one_plate) {
   if (m.rolls)
     more += "\nangular_velocity = " + text_of(m.turn * up.cross(velocity) / radius) +
             "\nforce = " + text_of(m.turn * (0.5 * ahead));
-  add(m.shape, Vec3(-0.03 * ahead + side * Vec3(0, 0, m.height - (m.law.hangs ? 1e-4 : 0.0))), more, m.yaw);
+  add(m.shape, Vec3(-0.03 * ahead + side * Vec3(0, 0, m.height - (m.law.hangs ? 1e-4 : 0.0))), more, m.lay);
   std::rotate(bodies.begin() + static_cast<std::ptrdiff_t>(place), bodies.end() - 1, bodies.end());
   std::string text = fmt::format(
       "[run]\nduration = 1\ntime_step = {}\n[world]\ngravity = {}\n[material]\na = {{ density = 2500, youngs_modulus "
@@ -166,16 +171,40 @@ std::string random_hull(Random& random, bool prism, double size) {
   return "polyhedron = { vertices = [" + corners.substr(0, corners.size() - 2) + "] }";
 }
 
-/// Every fourth along the tiles' edges. Under adhesion boxes: of more corners the pair takes four, by rounding.
+/// Of cells, some of which are empty; its lowest point is at height 0.
+std::string random_solid(Random& random, int draw, double size) {
+  support::SteppedRock cells = support::random_rock(random, {3, 2, 2}, 0.7);
+  while (!cells.at(1, 0, 0) && !cells.at(1, 1, 0) && !cells.at(1, 0, 1) && !cells.at(1, 1, 1))
+    cells = support::random_rock(random, {3, 2, 2}, 0.7);  // it was two bodies
+  const TriangleSurface surface = support::surface_of(cells, random);
+  const double scale = size / cells.size().maxCoeff();
+  double lowest = infinity;
+  for (const Vec3& v : surface.vertices) lowest = std::min(lowest, v.z());
+  const std::string file = fmt::format("{}/sliding_solid_{}.obj", EPAFI_BINARY_DIR, draw);
+  std::ofstream out(file);
+  for (const Vec3& v : surface.vertices)
+    out << fmt::format("v {:.17g} {:.17g} {:.17g}\n", scale * v.x(), scale * v.y(), scale * (v.z() - lowest));
+  for (const Triangle& t : surface.triangles) out << fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  return "solid = { file = \"" + file + "\" }";
+}
+
+/// Boxes, prisms, hulls, cylinders on their end and on their side, solids of parts; every fifth along the tiles' edges.
+/// Under adhesion no prisms: of more than four equal corners the pair takes four, by rounding.
 Passage random_slide(Random& random, int draw) {
   Passage m{slide_laws[draw % 4], false, random.uniform(0, 2 * testing::pi), 0.0, testing::random_turn(random)};
-  const double size = random.uniform(0.05, 0.12);
-  const int kind = draw % 4 == 3 ? 0 : draw / 4 % 3;
-  m.shape = kind == 0 ? fmt::format("box = {{ size = {} }}", text_of(size * Vec3(1.0, random.uniform(0.5, 1.0), 0.5)))
-                      : random_hull(random, kind == 1, size);
-  m.height = (kind == 0 ? 0.25 * size : 0.0) - 1e-6;  // else rounding says which corners touch first
-  m.yaw = draw / 4 % 4 == 0 ? 0.5 * testing::pi : random.uniform(0, 2 * testing::pi);
-  if (draw / 4 % 4 == 0) m.heading = 0.0;
+  const double size = random.uniform(0.05, 0.12), wide = random.uniform(0.5, 1.0);
+  const int drawn = draw / 4 % 6, kind = draw % 4 == 3 && drawn == 1 ? 0 : drawn;
+  m.shape = kind == 0   ? fmt::format("box = {{ size = {} }}", text_of(size * Vec3(1.0, wide, 0.5)))
+            : kind <= 2 ? random_hull(random, kind == 1, size)
+            : kind <= 4 ? fmt::format("cylinder = {{ radius = {:.17g}, length = {:.17g} }}", 0.25 * size, size * wide)
+                        : random_solid(random, draw, size);
+  const double heights[] = {0.25 * size, 0.0, 0.0, 0.5 * size * wide, 0.25 * size, 0.0};
+  m.height = heights[kind] - 1e-6;  // else rounding says which corners touch first
+  const double yaw = draw % 5 == 0 ? 0.5 * testing::pi : random.uniform(0, 2 * testing::pi);
+  if (draw % 5 == 0) m.heading = 0.0;
+  m.lay = Quat(Eigen::AngleAxisd(yaw, Vec3::UnitZ()));
+  if (kind == 4) m.lay = m.lay * Quat(Eigen::AngleAxisd(0.5 * testing::pi, Vec3::UnitY()));
+  if (kind == 4) m.heading = yaw;
   m.speed = random.uniform(0.3, 1.0);
   m.settled_by = 5;
   m.passed_by = 8000;
@@ -204,7 +233,8 @@ TEST_CASE("a ball that slides, rolls or hangs over tiles feels the forces of one
 
 TEST_CASE("a flat body that slides over tiles feels the forces of one plate", "[seams][physics][long]") {
   Random random(644, 1);
-  for (int draw = 0; draw < 40; ++draw) {
+  int cylinders_off = 0;
+  for (int draw = 0; draw < 48; ++draw) {
     Passage m = random_slide(random, draw);
     Random same = random;
     const Way plate = way_of(scene_of(same, m, true), m), tiles = way_of(scene_of(random, m, false), m);
@@ -212,11 +242,18 @@ TEST_CASE("a flat body that slides over tiles feels the forces of one plate", "[
     INFO("draw " << draw << ", " << m.shape << ", " << m.law.keys << ", by part " << apart.force << ", " << apart.moment
                  << ", " << apart.place << " m, open " << plate.open << ", " << tiles.open);
     CHECK(apart.weight > 0.0);
+    if (m.shape.starts_with("cylinder")) {  // limit: of 16 two touch otherwise in some steps
+      cylinders_off += apart.force > 1e-4 || std::abs(tiles.open - plate.open) > 1e-7;
+      continue;
+    }
     // plastic contacts unload steeply and let go: of two plates whose places round otherwise forces differ as much
-    const double rounding = draw % 4 == 2 ? 1e-4 : 1e-6;
+    const double rounding = m.law.keys == slide_laws[2].keys ? 1e-4 : 1e-6;
     CHECK(apart.force < rounding);  // 1 and more if each pair chooses normals and points for itself
     CHECK(apart.moment < rounding);
     CHECK(apart.place < 1e-9);
-    CHECK(std::abs(tiles.open - plate.open) < 1e-8);  // 1e-4 to 8e-2 if so
+    // hulls that adhere with four of more corners have no potential, on a plate neither: 5e-5
+    if (m.law.keys != slide_laws[3].keys || !m.shape.starts_with("polyhedron"))
+      CHECK(std::abs(tiles.open - plate.open) < 1e-8);  // 1e-4 to 8e-2 if so
   }
+  CHECK(cylinders_off <= 2);
 }
