@@ -399,8 +399,7 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   record_.stages.back().until = sim.world.time;
   wall_ = elapsed();
   cpu_ = process_seconds() - first_cpu;
-  // Saved before anything is measured: measuring the energy extends what its error is relative to, and a run that goes
-  // on must not say that it was cut off.
+  // saved first: measuring extends what the energy's error is relative to, and what goes on must not say it was cut off
   const bool is_cut = !is_done() && ending_ != Ending::failed && ending_ != Ending::bound_violated;
   if (is_cut) save_checkpoint_now();
   sim.come_home();

@@ -1,10 +1,11 @@
 /// @file energy.h  The energy ledger: what is stored, what was lost, what came in. It must close in every run.
 /// relative_error = (E(t) - E(0) + dissipated - work) / E_ref, E_ref = max over time of kinetic + |elastic|, plus the
-/// spread of the potential energy; elastic is negative where adhesion holds bodies. Potential: gravity and external forces, not their parts that follow time. What
-/// position correction puts in is part of the error and shown by itself. Where contacts put in more than they took
-/// since they had taken most, the difference is `gained`, which no term balances, so that it stays in the error. Of
-/// dashpots a step books what their forces do by the velocity of its middle, and the rest when the next steps know it:
-/// what they take back of the last steps' dashpots is no gain. Sums over bodies depend on no order.
+/// spread of the potential energy; elastic is negative where adhesion holds bodies. Potential: gravity and external
+/// forces, not their parts that follow time. What position correction puts in is part of the error and shown by itself.
+/// Where contacts put in more than they took since they had taken most, the difference is `gained`, which no term
+/// balances, so that it stays in the error. Of dashpots a step books what their forces do by the velocity of its
+/// middle, and the rest when the next steps know it: what they take back of the last steps' dashpots is no gain. Sums
+/// over bodies depend on no order.
 #pragma once
 #include "engine/state/state_visitor.h"
 #include "engine/state/world.h"

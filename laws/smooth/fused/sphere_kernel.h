@@ -44,6 +44,19 @@ EPAFI_LANES void find_radii(SphereTile<n>& t, std::size_t g, const SphereArrays&
   }
 }
 
+/// Predicted velocities of A over B, without the flow of a deforming cell.
+template <int n>
+EPAFI_LANES VectorsOf<typename LanesOf<n>::Real> predicted_apart(const SpherePlaces* bodies, const SphereArrays& with) {
+  VectorsOf<typename LanesOf<n>::Real> out;
+  typename LanesOf<n>::Real none;
+  read_columns(
+      [&](int l) EPAFI_INLINED {
+        return row<n>(with.state(bodies[l].a).predicted) - row<n>(with.state(bodies[l].b).predicted);
+      },
+      out.x, out.y, out.z, none);
+  return out;
+}
+
 /// How they move against each other.
 template <int n, bool remembers, bool wall, bool periodic>
 EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks::Block& block,
@@ -62,8 +75,7 @@ EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks
     opening = velocity.dot(normal);
     c.approach = later.dot(normal);
   } else {
-    // the flow of a deforming cell comes on top
-    const auto flow = [&](int l) EPAFI_INLINED {
+    const auto flow_of_cell = [&](int l) EPAFI_INLINED {
       const auto apart =
           row<n>(with.state(bodies[l].b).position) - row<n>(with.state(bodies[l].a).position) +
           row<n>(with.cell_size) * row<n>(block.images[t.pair[g * n + static_cast<std::size_t>(l)]].cells);
@@ -73,37 +85,28 @@ EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks
         [&](int l) EPAFI_INLINED {
           const auto moving = apart<n>(with.state(bodies[l].a).velocity, with.state(bodies[l].b).velocity);
           if constexpr (periodic)
-            return moving + flow(l);
+            return moving + flow_of_cell(l);
           else
             return moving;
         },
         velocity.x, velocity.y, velocity.z, inverse_mass);
     opening = velocity.dot(normal);
+    c.approach = -opening;
     if (with.damped) {
       read_columns(
           [&](int l) EPAFI_INLINED {
             const auto nearer = row<n>(with.state(bodies[l].a).predicted) - row<n>(with.state(bodies[l].b).predicted);
             if constexpr (periodic)
-              return nearer - flow(l);
+              return nearer - flow_of_cell(l);
             else
               return nearer;
           },
           later.x, later.y, later.z, none);
       c.approach = later.dot(normal);
-    } else {
-      c.approach = -opening;
     }
   }
   if constexpr (remembers)
-    if (with.late_spins != nullptr) {
-      c.nearer = later;
-      if constexpr (periodic && !wall)
-        read_columns(
-            [&](int l) EPAFI_INLINED {
-              return row<n>(with.state(bodies[l].a).predicted) - row<n>(with.state(bodies[l].b).predicted);
-            },
-            c.nearer.x, c.nearer.y, c.nearer.z, none);
-    }
+    if (with.late_spins != nullptr) c.nearer = periodic && !wall ? predicted_apart<n>(bodies, with) : later;
   c.middle = -opening;
   c.inverse_mass = inverse_mass;
   find_radii<n, remembers, wall>(t, g, with, velocity, opening);
