@@ -7,29 +7,39 @@
 
 namespace epafi {
 
-bool WrapBodies::asks(const World& world) const {
+namespace {
+
+/// How far outside the cell a body goes on without being put back, along an axis [m]. Images of driven and fixed bodies
+/// reach one cell: what moves is put back as free bodies are, what stands where it is written if it is within reach.
+double slack_of(const World& world, Slot s, int axis, double slack) {
+  return world.is_movable(s) || world.velocity[s] != Vec3::Zero() ? slack : world.cell->size[axis];
+}
+
+bool is_outside(const World& world, Slot s, int axis, double slack) {
   const PeriodicCell& cell = *world.cell;
-  const auto outside = [&](std::size_t s) {
-    for (int k = 0; k < 3; ++k) {
-      if (!cell.repeats[static_cast<std::size_t>(k)]) continue;
-      const double u = world.position[s][k] - cell.low[k];
-      if (u < -slack_ || u >= cell.size[k] + slack_) return true;
-    }
-    return false;
-  };
+  if (!cell.repeats[static_cast<std::size_t>(axis)]) return false;
+  const double u = world.position[s][axis] - cell.low[axis], reach = slack_of(world, s, axis, slack);
+  return u < -reach || u >= cell.size[axis] + reach;
+}
+
+}  // namespace
+
+bool WrapBodies::asks(const World& world) const {
   const auto is_astray = [&](std::size_t i) {
-    return static_cast<char>(world.is_movable(static_cast<Slot>(i)) && outside(i));
+    const auto s = static_cast<Slot>(i);
+    const auto outside = [&](int axis) { return is_outside(world, s, axis, slack_); };
+    return static_cast<char>(outside(0) || outside(1) || outside(2));
   };
   return block_max<char>(world.size(), 0, is_astray) != 0;
 }
 
 void WrapBodies::answer(World& world) {
   const PeriodicCell& cell = *world.cell;
-  parallel_for(world.size(), [&](std::size_t s) {
-    if (!world.is_movable(static_cast<Slot>(s))) return;
+  parallel_for(world.size(), [&](std::size_t i) {
+    const auto s = static_cast<Slot>(i);
     for (int k = 0; k < 3; ++k) {
-      if (!cell.repeats[static_cast<std::size_t>(k)]) continue;
-      const double n = std::floor((world.position[s][k] - cell.low[k]) / cell.size[k]);
+      if (!is_outside(world, s, k, world.is_movable(s) ? 0.0 : slack_)) continue;
+      const double n = cell.cells_to(world.position[s], k);
       if (!(std::abs(n) < 1e9)) continue;  // no number: whoever watches the state reports it
       world.position[s][k] -= n * cell.size[k];
       world.wraps[s][k] += static_cast<int>(n);

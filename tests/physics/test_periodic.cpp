@@ -347,3 +347,37 @@ TEST_CASE("a periodic cell refuses what cannot repeat in it", "[physics][periodi
              Catch::Contains("less than two diameters of the largest free body ('big', 0.6 m across)") &&
                  Catch::Contains("make the domain 1.2 m wide or more"));
 }
+
+TEST_CASE("tiles carry bodies wherever their motion or the scene puts them among the cells", "[physics][periodic]") {
+  // images reach one cell: driven tiles that had gone farther carried nothing
+  Random random(8, 0);
+  const std::string shapes[] = {
+      "sphere = { radius = 0.06 }", "box = { size = [0.1, 0.1, 0.12] }",
+      "clump = { spheres = [[0.04, 0, 0, 0.06], [-0.03, 0.04, 0, 0.06], [0, -0.05, 0, 0.06]] }"};
+  for (int draw = 0; draw < 24; ++draw) {
+    const bool driven = draw % 4 != 3;
+    const Vec3 speed(random.uniform(1.0, 3.0), random.uniform(-3.0, -1.0), 0), way(4, -3, 0);
+    const Vec3 tiles = driven ? speed : Vec3(Vec3::Zero()), off = driven ? Vec3(Vec3::Zero()) : way;
+    const Vec3 own = tiles + Vec3(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), 0);
+    std::string text = materials + "world.domain = { min = [0, 0, -1], max = [1, 1, 2], periodic = [\"x\", \"y\"] }\n" +
+                       "world.gravity = [0, 0, -9.81]\nrun = { duration = 1.5, time_step = 5e-5 }\n" +
+                       "contact = { method = \"" + (draw % 2 == 0 ? "nonsmooth" : "smooth") +
+                       "\", restitution = 0, friction = 0 }\n[[body]]\nname = \"b\"\n" +
+                       "material = \"m\"\nshape = { " + shapes[draw / 4 % 3] +
+                       " }\nposition = [0.4, 0.7, 0.06]\nvelocity = " + vec(own) + "\n";
+    const double x = random.uniform(0.3, 0.7), y = random.uniform(0.3, 0.7);
+    for (int k = 0; k < 4; ++k) {
+      const Vec3 low(k % 2 * x, k / 2 * y, -0.1), high(k % 2 == 0 ? x : 1.0, k / 2 == 0 ? y : 1.0, 0.0);
+      text += "[[body]]\nmaterial = \"m\"\nshape = { box = { size = " + vec(high - low) +
+              " } }\nposition = " + vec(0.5 * (low + high) + off) + "\n" +
+              (driven ? "motion = { velocity = " + vec(tiles) + " }\n" : std::string("fixed = true\n"));
+    }
+    auto run = start_text(text);
+    run.advance_to(0);
+    const World& world = run.simulation().world;
+    const Slot body = world.slot_of(Assembly::body_id(0));
+    INFO("draw " << draw << ", velocity " << world.velocity[body].transpose() << ", written " << own.transpose());
+    CHECK((world.velocity[body] - own).norm() < 1e-4);
+    CHECK(world.position[body].z() == Approx(0.06).margin(1e-3));
+  }
+}
