@@ -61,7 +61,7 @@ inline std::string hint(const std::string& word, const std::vector<std::string>&
 inline std::string asked_help(const CLI::App& app, int argc, char** argv) {
   if (argc < 2 || std::string(argv[1]) != "help") return {};
   const bool of_one = argc > 2 && holds(command_names(app), argv[2]);
-  return of_one ? app.get_subcommand(std::string(argv[2]))->help() : app.help();
+  return of_one ? app.get_subcommand(std::string(argv[2]))->help(app.get_name()) : app.help();
 }
 
 /// Says what is wrong with the name of a command; empty if there is a command of this name, or none was given.

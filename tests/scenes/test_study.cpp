@@ -84,7 +84,7 @@ TEST_CASE("an error that the scene does not measure is refused before anything r
             "scene = \"" + library +
                 "stacking/column.toml\"\nerror = \"drfit\"\nvary = [ { \"contact.nonsmooth.solver\" = \"pgs\" } ]\n"),
       {});
-  CHECK_THROWS_WITH(run_chart(study, folder.path(), silent), Catch::Contains("'drfit' is no measure"));
+  CHECK_THROWS_WITH(run_chart(study, folder.path(), silent), Catch::Contains("unknown error 'drfit'"));
 }
 
 TEST_CASE("a chart repeats its errors bit for bit, marks its front and recommends what holds when run",

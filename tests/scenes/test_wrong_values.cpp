@@ -93,15 +93,17 @@ poissons_ratio = 0.3
 method = "smooth"
 restitution = 0.5
 friction = 0.3
+[shape.ball]
+sphere = { radius = 0.1 }
 [[fill]]
-shape = { sphere = { radius = 0.1 } }
+shape = "ball"
 material = "a"
 count = 3
 size = { distribution = "uniform", min = 0.9, max = 1.1 }
 region = { box = { min = [0, 0, 2], max = [9, 9, 9] } }
 [[fill]]
 name = "rain"
-shape = { sphere = { radius = 0.1 } }
+shape = "ball"
 material = "a"
 count = 3
 method = "pour"
