@@ -70,6 +70,23 @@ struct TriangleMesh {
 
   /// Appends the triangles whose box overlaps `box` (body axes), ascending.
   void query(const Aabb& box, std::vector<std::uint32_t>& out) const;
+  /// f(t) of the triangles whose boxes come within reach() of x [m], which may shrink from one to the next.
+  template <class Reach, class F>
+  void each_within(const Vec3& x, const Reach& reach, const F& f) const {
+    const auto distance = [&x](const Aabb& box) {
+      return Vec3((box.min - x).cwiseMax(x - box.max).cwiseMax(0.0)).norm();
+    };
+    for (std::uint32_t k = 0; k < nodes_.size();) {
+      const Node& node = nodes_[k];
+      if (distance(node.box) > reach()) {
+        k = node.skip;
+        continue;
+      }
+      for (std::uint32_t i = node.begin; i < node.begin + node.count; ++i)
+        if (distance(boxes_[leaves_[i]]) <= reach()) f(leaves_[i]);
+      ++k;
+    }
+  }
   /// Appends candidates for a body at `pose` in the mesh's axes that may move by `margin` [m], ascending.
   template <class Body>
   void find_near(const Body& body, const Pose& pose, double margin, std::vector<std::uint32_t>& out) const {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "laws/contact_law.h"
+#include "laws/smooth/hertz_spring.h"
 #include "laws/smooth/restitution.h"
 
 namespace epafi {
@@ -54,20 +54,12 @@ struct Hertz {
     return c.viscous(p.damping * std::sqrt(c.effective_mass * k), k);
   }
   static double stiffness(const Parameters& p, const ContactKinematics& c) {  // dN/d(delta)
-    return 2.0 * p.modulus * std::sqrt(c.effective_radius * c.overlap);
+    return hertz_stiffness(p.modulus, c);
   }
   template <class Real>
   EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
-    const Real stiffness = 2.0 * p.modulus * sqrt(c.effective_radius * c.overlap);  // dN/d(delta)
-    const Real elastic = 2.0 / 3.0 * stiffness * c.overlap;
-    const Real dashpot = p.damping * sqrt(c.effective_mass * stiffness);
-    const Real force = max(Real{}, elastic + c.viscous(dashpot, stiffness));
-    return {.force = force,
-            .elastic_force = elastic,
-            .stiffness = stiffness,
-            .energy = 0.4 * elastic * c.overlap,
-            .dashpot = dashpot,
-            .growth = Real{} + growth};
+    const Real stiffness = hertz_stiffness(p.modulus, c), elastic = 2.0 / 3.0 * stiffness * c.overlap;
+    return hertz_response<Real>(c, stiffness, elastic, p.damping * sqrt(c.effective_mass * stiffness), growth);
   }
 };
 static_assert(LaneLaw<Hertz>);

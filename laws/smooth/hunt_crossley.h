@@ -53,20 +53,13 @@ struct HuntCrossley {
   static constexpr double growth = 1.5;  ///< q of c ~ overlap^q
   static double viscous_power(const Parameters&) { return growth; }
   static double viscous(const Parameters& p, const ContactKinematics& c) {
-    const double k = 2.0 * p.modulus * std::sqrt(c.effective_radius * c.overlap);
+    const double k = hertz_stiffness(p.modulus, c);
     return c.viscous(2.0 / 3.0 * k * c.overlap * p.chi, k);
   }
   template <class Real>
   EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
-    const Real stiffness = 2.0 * p.modulus * sqrt(c.effective_radius * c.overlap);
-    const Real elastic = 2.0 / 3.0 * stiffness * c.overlap;
-    const Real dashpot = elastic * p.chi, force = max(Real{}, elastic + c.viscous(dashpot, stiffness));
-    return {.force = force,
-            .elastic_force = elastic,
-            .stiffness = stiffness,
-            .energy = 0.4 * elastic * c.overlap,
-            .dashpot = dashpot,
-            .growth = Real{} + growth};
+    const Real stiffness = hertz_stiffness(p.modulus, c), elastic = 2.0 / 3.0 * stiffness * c.overlap;
+    return hertz_response<Real>(c, stiffness, elastic, elastic * p.chi, growth);
   }
 };
 static_assert(LaneLaw<HuntCrossley>);

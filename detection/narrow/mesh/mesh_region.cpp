@@ -131,8 +131,7 @@ struct NearestPlace {
 void find_sides(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, const Vec3& x,
                 std::vector<unsigned char>& front) {
   constexpr unsigned char unknown = 2;
-  static thread_local std::vector<std::size_t> part;  // keep their size
-  static thread_local std::vector<std::uint32_t> around;
+  static thread_local std::vector<std::size_t> part;  // keeps its size
   front.assign(triangles.size(), unknown);
   for (std::size_t first = 0; first < triangles.size(); ++first) {
     if (front[first] != unknown) continue;
@@ -150,11 +149,12 @@ void find_sides(const TriangleMesh& mesh, std::span<const std::uint32_t> triangl
       }
     }
     if (const std::uint32_t closed = mesh.around[triangles[first]].closed; closed != TriangleMesh::none) {
-      around.clear();  // what stands between x and these triangles need not be among them
-      mesh.query(Aabb{x, x}.fattened(nearest.distance * (1.0 + same_distance)), around);
-      nearest = {};
-      for (const std::uint32_t t : around)
+      const double found = nearest.distance;
+      nearest = {};  // what stands between x and these triangles need not be among them
+      const auto reach = [&] { return std::min(found, nearest.distance) * (1.0 + same_distance); };
+      mesh.each_within(x, reach, [&](std::uint32_t t) {
         if (mesh.around[t].closed == closed) nearest.see(mesh, t, x);
+      });
     }
     for (const std::size_t k : part) front[k] = nearest.height >= 0.0;
   }
