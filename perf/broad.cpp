@@ -8,13 +8,13 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <ctime>
 #include <map>
 #include <tuple>
 
 #include "detection/broad/all_broad_phases.h"
 #include "engine/threads/parallel.h"
 #include "engine/units/random.h"
+#include "scenes/processor_time.h"
 
 using namespace epafi;
 
@@ -158,11 +158,7 @@ std::vector<std::pair<Slot, Slot>> brute_touching(const Pack& p) {
   return out;
 }
 
-double seconds() {
-  timespec t;
-  clock_gettime(thread_count() == 1 ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
+double seconds() { return seconds_of(thread_count() == 1 ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC); }
 
 /// Moves the bodies and puts them back where they were.
 void run(Pack& p, const char* kind, const std::string& method) {

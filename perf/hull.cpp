@@ -6,7 +6,7 @@
 #include "detection/narrow/gjk/convex_answer.h"
 #include "detection/shapes/placed_hull.h"
 #include "engine/units/random.h"
-#include "perf/thread_time.h"
+#include "scenes/processor_time.h"
 
 using namespace epafi;
 

@@ -12,7 +12,7 @@
 #include "detection/narrow/gjk/convex_answer.h"
 #include "detection/narrow/narrow_phase.h"
 #include "engine/threads/parallel.h"
-#include "perf/thread_time.h"
+#include "scenes/processor_time.h"
 
 using namespace epafi;
 

@@ -8,9 +8,9 @@
 
 #include "engine/step/energy.h"
 #include "engine/threads/parallel.h"
-#include "perf/thread_time.h"
 #include "scenes/assemble.h"
 #include "scenes/full_registry.h"
+#include "scenes/processor_time.h"
 #include "scenes/reader/scene_reader.h"
 
 namespace {

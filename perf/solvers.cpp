@@ -14,7 +14,7 @@
 #include "laws/nonsmooth/residual.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
 #include "laws/nonsmooth/solvers/pgs.h"
-#include "perf/thread_time.h"
+#include "scenes/processor_time.h"
 #include "tests/support/contact_worlds.h"
 
 namespace {

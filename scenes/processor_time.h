@@ -1,14 +1,18 @@
-/// @file processor_time.h  What this process has used of the processors, whatever else runs beside it.
+/// @file processor_time.h  Processor time, whatever else runs beside it.
 #pragma once
 #include <time.h>
 
 namespace epafi {
 
-/// Of all threads of this process since it began [s].
-inline double process_seconds() {
+inline double seconds_of(clockid_t clock) {
   timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  clock_gettime(clock, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
+
+/// Of all threads of this process since it began [s].
+inline double process_seconds() { return seconds_of(CLOCK_PROCESS_CPUTIME_ID); }
+/// Of the calling thread since it began [s].
+inline double thread_seconds() { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }
 
 }  // namespace epafi

@@ -7,7 +7,7 @@ namespace epafi {
 class SharedList {
  public:
   virtual ~SharedList() = default;
-  /// Of what a list lasts no longer.
+  /// Whether and why a list ends.
   struct End {
     bool comes = false;    ///< it will not last for the next step
     bool by_slow = false;  ///< a body of the least margin will have used it up, from which the next margins are learned

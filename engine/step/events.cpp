@@ -82,24 +82,15 @@ bool DriveBody::follows_table() const {
   return std::ranges::any_of(motions_, [](const Motion& m) { return m.table != nullptr; });
 }
 
-namespace {
-/// The place of a body, of its images in a periodic cell the one near x [m].
-Vec3 image_near(const World& world, Slot s, const Vec3& x) {
-  Vec3 at = world.position[s];
-  for (int k = 0; world.cell && k < 3; ++k)
-    if (world.cell->repeats[static_cast<std::size_t>(k)])
-      at[k] += std::round((x[k] - at[k]) / world.cell->size[k]) * world.cell->size[k];
-  return at;
-}
-}  // namespace
-
 void DriveBody::before_step(World& world, double dt, std::vector<BodyId>&) {
   const Slot s = world.slot_of(body_);
   if (s == no_slot) return;
   const double time = world.clock + elapsed_;
-  // a table is followed from where the body is: over millions of steps rounding does not add up
+  // a table is followed from where the body is: over millions of steps rounding does not add up. Not along a periodic
+  // axis: there it is put back by whole cells
   Vec3 from = position_at(time);
-  if (alone_ && follows_table()) from = image_near(world, s, from);
+  for (int k = 0; k < 3 && alone_ && follows_table(); ++k)
+    if (!world.cell || !world.cell->repeats[static_cast<std::size_t>(k)]) from[k] = world.position[s][k];
   world.velocity[s] = (position_at(time + dt) - from) / dt;
   if (world.rotates()) world.angular_velocity[s] = spin(time, dt);
 }

@@ -2,14 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <ctime>
-
 #include "detection/convex_corpus.h"
 #include "detection/narrow/gjk/convex_answer.h"
 #include "engine/units/error.h"
 #include "engine/units/nearest.h"
 #include "engine/units/random.h"
 #include "scenes/cli/print.h"
+#include "scenes/processor_time.h"
 #include "viz_export/files/page_target.h"
 #include "viz_export/files/side_file.h"
 
@@ -22,11 +21,7 @@ struct PairRow {
   double cold = 0.0, warm = 0.0;  ///< ns per query
 };
 
-double cpu_nanoseconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e9 * static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec);
-}
+double cpu_nanoseconds() { return 1e9 * thread_seconds(); }
 
 constexpr int repeats = 3;
 constexpr std::size_t steps = 32;  // the clock costs about 300 ns: one reading per 32 queries

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
 #include "detection/convex_corpus.h"
 #include "detection/narrow/gjk/convex_answer.h"
+#include "scenes/processor_time.h"
 #include "scenes/study/chart.h"
 
 namespace epafi {
@@ -46,12 +46,11 @@ std::vector<Question> questions(const std::vector<CorpusPair>& corpus, const std
 /// Processor seconds per query, and the answers' errors: of the distance or depth relative to the smaller body plus a
 /// thousandth of the largest coordinate.
 double ask_all(const std::vector<Question>& all, ConvexMethod method, ChartPoint& point) {
-  timespec begin{}, end{};
   std::vector<ConvexAnswer> answers(all.size());
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &begin);
+  const double begin = thread_seconds();
   for (std::size_t k = 0; k < all.size(); ++k)
     answers[k] = ask(method, all[k].a.view(), all[k].b.view(), all[k].pose_a, all[k].pose_b);
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &end);
+  const double end = thread_seconds();
   point.error = finest;
   point.status = "completed";
   point.trouble.clear();
@@ -66,9 +65,7 @@ double ask_all(const std::vector<Question>& all, ConvexMethod method, ChartPoint
     point.status = "wrong_class";
     point.trouble = fmt::format("{} pairs on the wrong side of touching", wrong);
   }
-  const double seconds =
-      static_cast<double>(end.tv_sec - begin.tv_sec) + 1e-9 * static_cast<double>(end.tv_nsec - begin.tv_nsec);
-  return seconds / static_cast<double>(all.size());
+  return (end - begin) / static_cast<double>(all.size());
 }
 
 }  // namespace

@@ -366,11 +366,15 @@ TEST_CASE("tiles carry bodies wherever their motion or the scene puts them among
                        "material = \"m\"\nshape = { " + shapes[draw / 4 % 3] +
                        " }\nposition = [0.4, 0.7, 0.06]\nvelocity = " + vec(own) + "\n";
     const double x = random.uniform(0.3, 0.7), y = random.uniform(0.3, 0.7);
+    const std::string steady = "motion = { velocity = " + vec(tiles) + " }\n";
+    const std::string table = fmt::format(
+        "motion = {{ of = \"velocity\", table = [[0, {0:.17g}, {1:.17g}, 0], [2, {0:.17g}, {1:.17g}, 0]] }}\n",
+        tiles.x(), tiles.y());
+    const std::string motion = !driven ? "fixed = true\n" : draw % 4 == 1 ? table : steady;
     for (int k = 0; k < 4; ++k) {
       const Vec3 low(k % 2 * x, k / 2 * y, -0.1), high(k % 2 == 0 ? x : 1.0, k / 2 == 0 ? y : 1.0, 0.0);
       text += "[[body]]\nmaterial = \"m\"\nshape = { box = { size = " + vec(high - low) +
-              " } }\nposition = " + vec(0.5 * (low + high) + off) + "\n" +
-              (driven ? "motion = { velocity = " + vec(tiles) + " }\n" : std::string("fixed = true\n"));
+              " } }\nposition = " + vec(0.5 * (low + high) + off) + "\n" + motion;
     }
     auto run = start_text(text);
     run.advance_to(0);
