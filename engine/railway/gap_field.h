@@ -21,6 +21,20 @@ struct GapField {
   double x(std::size_t ix) const { return (static_cast<double>(ix) + 0.5 - 0.5 * static_cast<double>(nx)) * dx; }
   double y(std::size_t iy) const { return (static_cast<double>(iy) + 0.5 - 0.5 * static_cast<double>(ny)) * dy; }
   double at(std::size_t ix, std::size_t iy) const { return gap[iy * nx + ix]; }
+
+  /// A gap given as a function h(x, y) [m], on nx by ny cells of dx by dy around (cx, cy).
+  template <class Height>
+  static GapField of(double cx, double cy, double dx, double dy, std::size_t nx, std::size_t ny, Height h) {
+    GapField out;
+    out.dx = dx;
+    out.dy = dy;
+    out.nx = nx;
+    out.ny = ny;
+    out.gap.reserve(nx * ny);
+    for (std::size_t j = 0; j < ny; ++j)
+      for (std::size_t i = 0; i < nx; ++i) out.gap.push_back(h(cx + out.x(i), cy + out.y(j)));
+    return out;
+  }
 };
 
 }  // namespace epafi

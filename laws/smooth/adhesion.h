@@ -8,9 +8,19 @@
 
 namespace epafi {
 
-inline Field adhesion_field() {
-  return {"work_of_adhesion", "w", "J/m^2", Kind::number, {}, not_negative, "work of separation per area"};
+inline Entry adhesion_entry(const char* name, const char* summary, Needs needs, const char* source) {
+  return {name,
+          summary,
+          {{"work_of_adhesion", "w", "J/m^2", Kind::number, {}, not_negative, "work of separation per area"}},
+          needs,
+          source};
 }
+template <class Real>
+struct AdhesionParameters {
+  Real modulus;  ///< E* of the pair [Pa], > 0
+  Real damping;  ///< as Hertz
+  Real work;     ///< w [J/m^2], >= 0
+};
 inline Missing missing_adhesion(const MaterialPair& pair) {
   Missing out = missing_elasticity(pair);
   if (!pair.parameters.has("work_of_adhesion")) out.push_back("work_of_adhesion [J/m^2] of the contact");
@@ -24,19 +34,12 @@ struct Dmt {
   static constexpr Needs needs{.curvature = true};
   static constexpr bool is_hertzian = true;
   template <class Real>
-  struct ParametersOf {
-    Real modulus;  ///< E* of the pair [Pa], > 0
-    Real damping;  ///< as Hertz
-    Real work;     ///< w [J/m^2], >= 0
-  };
+  using ParametersOf = AdhesionParameters<Real>;
   using Parameters = ParametersOf<double>;
 
   static Entry entry() {
-    return {name,
-            "Hertz with constant attraction in contact",
-            {adhesion_field()},
-            needs,
-            "Derjaguin, Muller and Toporov 1975"};
+    return adhesion_entry(name, "Hertz with constant attraction in contact", needs,
+                          "Derjaguin, Muller and Toporov 1975");
   }
   static Missing missing(const MaterialPair& pair) { return missing_adhesion(pair); }
   static Parameters parameters(const MaterialPair& pair) {
@@ -64,11 +67,8 @@ struct Jkr {
   static constexpr Needs needs{.memory = true, .curvature = true};
   static constexpr bool is_hertzian = true;
   template <class Real>
-  struct ParametersOf {
-    Real modulus;  ///< E* of the pair [Pa], > 0
-    Real damping;  ///< as Hertz
-    Real work;     ///< w [J/m^2], >= 0
-    Real grip;     ///< B = sqrt(2 pi w/E*) [m^(1/2)]
+  struct ParametersOf : AdhesionParameters<Real> {
+    Real grip;  ///< B = sqrt(2 pi w/E*) [m^(1/2)]
   };
   using Parameters = ParametersOf<double>;
   template <class Real>
@@ -78,16 +78,13 @@ struct Jkr {
   using State = StateOf<double>;
 
   static Entry entry() {
-    return {name,
-            "adhesive spheres that hold on beyond touch",
-            {adhesion_field()},
-            needs,
-            "Johnson, Kendall and Roberts 1971"};
+    return adhesion_entry(name, "adhesive spheres that hold on beyond touch", needs,
+                          "Johnson, Kendall and Roberts 1971");
   }
   static Missing missing(const MaterialPair& pair) { return missing_adhesion(pair); }
   static Parameters parameters(const MaterialPair& pair) {
     const Dmt::Parameters p = Dmt::parameters(pair);
-    return {p.modulus, p.damping, p.work, std::sqrt(6.283185307179586 * p.work / p.modulus)};
+    return {p, std::sqrt(6.283185307179586 * p.work / p.modulus)};
   }
   static bool is_damped(const Parameters& p) { return p.damping > 0.0; }
   static bool holds(const State& s) { return s.root > 0.0; }

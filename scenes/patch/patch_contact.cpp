@@ -34,20 +34,9 @@ class QuadraticGap final : public GapSource {
   double angle_at(const ContactRegion&, double) const override { return 0.0; }
   GapField field(const ContactRegion&, double cx, double cy, double dx, double dy, std::size_t nx,
                  std::size_t ny) const override {
-    GapField f;
-    f.dx = dx;
-    f.dy = dy;
-    f.nx = nx;
-    f.ny = ny;
+    GapField f = GapField::of(cx, cy, dx, dy, nx, ny, [&](double x, double y) { return A_ * x * x + B_ * y * y; });
     f.curvature_x = 2.0 * A_;
     f.curvature_y = 2.0 * B_;
-    f.gap.resize(nx * ny);
-    for (std::size_t j = 0; j < ny; ++j) {
-      for (std::size_t i = 0; i < nx; ++i) {
-        const double x = cx + f.x(i), y = cy + f.y(j);
-        f.gap[j * nx + i] = A_ * x * x + B_ * y * y;
-      }
-    }
     return f;
   }
   std::unique_ptr<GapOperator> gaps_between(GapMethod method, std::span<const Vec3> nodes,

@@ -21,17 +21,9 @@ class Paraboloid final : public GapSource {
   double angle_at(const ContactRegion&, double) const override { return 0.0; }
   GapField field(const ContactRegion&, double cx, double cy, double dx, double dy, std::size_t nx,
                  std::size_t ny) const override {
-    GapField f;
-    f.dx = dx;
-    f.dy = dy;
-    f.nx = nx;
-    f.ny = ny;
-    for (std::size_t j = 0; j < ny; ++j)
-      for (std::size_t i = 0; i < nx; ++i) {
-        const double x = cx + f.x(i), y = cy + f.y(j);
-        f.gap.push_back(x > hole ? std::nan("") : lift_ + slope_ * x + A_ * (x * x + y * y));
-      }
-    return f;
+    return GapField::of(cx, cy, dx, dy, nx, ny, [&](double x, double y) {
+      return x > hole ? std::nan("") : lift_ + slope_ * x + A_ * (x * x + y * y);
+    });
   }
   std::unique_ptr<GapOperator> gaps_between(GapMethod method, std::span<const Vec3> nodes,
                                             std::span<const Triangle> first, std::span<const Triangle> second,
