@@ -4,18 +4,19 @@
   tools/count_style.py [--list KIND] [--links] [--check]
 
 Prints: functions over 50 lines, files over 500 lines, comma chains, lines over 120 characters, commit subjects over 72
-characters, words per page, table cells over 25 words, links without a target, pages with other figures than the table.
---list KIND names the places of one kind;
---links alone checks links and ends with 1 where a page, picture or heading is missing; --check names all places but
-links and subjects and ends with 1 where there is one. Reads text only; functions of C++ are
-found by indentation (a body from a brace at the end of an unindented line to a brace in column 1), so that class
-members and lambdas are not counted by themselves.
+characters, words per page, median depth of includes, table cells over 25 words, links without a target, pages with
+other figures than the table. --list KIND names the places of one kind; --links alone checks links and ends with 1 where
+a page, picture or heading is missing; --check names all places but links and subjects and ends with 1 where there is
+one. Reads text only; functions of C++ are found by indentation (a body from a brace at the end of an unindented line to
+a brace in column 1), so that class members and lambdas are not counted by
+themselves.
 """
 import argparse
 import ast
 import functools
 import pathlib
 import re
+import statistics
 import subprocess
 import sys
 
@@ -28,6 +29,8 @@ MOST_LINES_OF_A_FUNCTION = 50
 MOST_CHARACTERS_OF_A_LINE = 120
 MOST_CHARACTERS_OF_A_SUBJECT = 72
 MOST_WORDS_OF_A_CELL = 25
+MOST_DEPTH_OF_INCLUDES = 8
+FLOORS = ["engine", "detection", "laws", "ranks", "viz_export", "scenes"]
 # Statements whose outermost commas join declarations, not expressions.
 DECLARATION = re.compile(r"^(const|constexpr|inline|mutable|static|alignas|using|template|return\s*\{|case|"
                          r"(?!return|delete|throw|goto)[A-Za-z_][\w:]*(<.*>)?(\s*[&*]+\s*|\s+)(const\s+)?[A-Za-z_]\w*)")
@@ -248,6 +251,19 @@ def find_all():
     return places
 
 
+def include_depth():
+    """Median over the .cpp files of the program of the longest chain of its headers that they include."""
+    sources = [path for folder in FLOORS for path in (ROOT / folder).rglob("*") if path.suffix in (".h", ".cpp")]
+    included = {path.relative_to(ROOT).as_posix(): re.findall(r'^#include "([^"]+)"', path.read_text(), re.M)
+                for path in sources}
+
+    @functools.cache
+    def depth(name):
+        return max((1 + depth(other) for other in included[name] if other in included), default=0)
+
+    return statistics.median(depth(name) for name in included if name.endswith(".cpp"))
+
+
 def long_subjects():
     """Subjects of all commits that are too long."""
     log = subprocess.run(["git", "-C", ROOT, "log", "--format=%h %s"], capture_output=True, text=True).stdout
@@ -271,6 +287,7 @@ def print_summary(places):
     for kind, title in titles.items():
         print(f"{len(places[kind]):6d}  {title}")
     print(f"{len(long_subjects()):6d}  commit subjects over {MOST_CHARACTERS_OF_A_SUBJECT} characters")
+    print(f"{include_depth():6.0f}  median depth of includes of .cpp files (at most {MOST_DEPTH_OF_INCLUDES})")
     print(f"{len(differing_figures()):6d}  pages with other figures than docs/performance/figures.csv")
     counts = [(len(shown(page.read_text()).split()), page.relative_to(ROOT).as_posix()) for page in pages()]
     counts.sort(reverse=True)
@@ -298,7 +315,10 @@ def main():
         wrong = [place for kind in KINDS_CHECKED for place in places[kind]]
         for name, line, what in wrong:
             print(f"{name}:{line}: {what}")
-        return 1 if wrong else 0
+        depth = include_depth()
+        if depth > MOST_DEPTH_OF_INCLUDES:
+            print(f"median depth of includes of .cpp files: {depth:.0f}, at most {MOST_DEPTH_OF_INCLUDES} is allowed")
+        return 1 if wrong or depth > MOST_DEPTH_OF_INCLUDES else 0
     if not options.list:
         print_summary(places)
     for name, line, what in places[options.list] if options.list else []:

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/state/state_visitor.h"
+#include "engine/state/plain.h"
 #include "engine/state/types.h"
 
 namespace epafi {

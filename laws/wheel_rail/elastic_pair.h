@@ -1,8 +1,9 @@
 /// @file elastic_pair.h  Two elastic half-spaces as one: what the patch models of wheel and rail take of the materials.
 #pragma once
-#include "laws/material.h"
 
 namespace epafi {
+
+struct Material;
 
 /// Combined constants of two half-spaces (Kalker 1990, eq. 1.44): 1/G and nu/G are means over the two bodies.
 /// Unlike bodies also couple pressure and traction (Kalker's K); that coupling is left out and flagged by the caller.
@@ -15,11 +16,6 @@ struct ElasticPair {
   double effective_modulus() const { return shear_modulus / (1.0 - poissons_ratio); }
 };
 
-inline ElasticPair elastic_pair(const Material& a, const Material& b) {
-  const double fa = a.is_rigid() ? 0.0 : 1.0 / a.shear_modulus(), fb = b.is_rigid() ? 0.0 : 1.0 / b.shear_modulus();
-  const double G = 2.0 / (fa + fb);
-  const double nu = 0.5 * G * (a.poissons_ratio * fa + b.poissons_ratio * fb);
-  return {G, nu, 0.25 * G * ((1.0 - 2.0 * a.poissons_ratio) * fa - (1.0 - 2.0 * b.poissons_ratio) * fb)};
-}
+ElasticPair elastic_pair(const Material& a, const Material& b);
 
 }  // namespace epafi

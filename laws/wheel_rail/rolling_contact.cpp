@@ -7,6 +7,7 @@
 #include "engine/step/contact_layer.h"
 #include "engine/threads/parallel.h"
 #include "engine/units/error.h"
+#include "laws/material.h"
 #include "laws/wheel_rail/normal/hertz_ellipse.h"
 #include "laws/wheel_rail/normal_models.h"
 #include "laws/wheel_rail/tangential_models.h"

@@ -8,6 +8,7 @@
 #include "detection/shapes/rail_profile.h"
 #include "detection/shapes/wheel_profile.h"
 #include "engine/units/nearest.h"
+#include "laws/material.h"
 #include "laws/wheel_rail/normal_models.h"
 #include "laws/wheel_rail/tangential_models.h"
 #include "scenes/full_registry.h"

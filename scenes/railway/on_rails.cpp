@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "laws/material.h"
 #include "laws/wheel_rail/elastic_pair.h"
 #include "laws/wheel_rail/normal/hertz_ellipse.h"
 #include "scenes/contact_setup.h"

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "engine/units/random.h"
+#include "laws/material.h"
 #include "laws/smooth/critical_step.h"
 #include "tests/support/catch.h"
 #include "tests/support/experiments.h"

@@ -3,6 +3,7 @@
 
 #include "engine/threads/parallel.h"
 #include "engine/units/random.h"
+#include "laws/material.h"
 #include "laws/smooth/critical_step.h"
 #include "laws/smooth/restitution.h"
 #include "laws/smooth/spring.h"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "laws/material.h"
 #include "laws/smooth/dashpot.h"
 #include "scenes/include/epafi/epafi.h"
 #include "scenes/step_estimate.h"
