@@ -26,7 +26,14 @@ struct KinematicsOf {
 
   /// Of a dashpot [N s/m] beside a spring of that stiffness [N/m], positive while approaching [N].
   EPAFI_LANES Real viscous(const Real& dashpot, const Real& stiffness) const {
-    return damper_force(step, dashpot, stiffness, approach_velocity, middle_velocity);
+    const Real damper = damper_in_step<Real>(step.half_mobility, dashpot, Real{});
+    return damper_force(step, damper, stiffness, approach_velocity, middle_velocity);
+  }
+  /// The same of one that grows with overlap^growth from the first touch on.
+  EPAFI_LANES Real viscous(const Real& dashpot, const Real& stiffness, const Real& growth) const {
+    const Real damper = damper_in_step<Real>(step.half_mobility, dashpot, growth);
+    const Real weighed = damper * begun_share<Real>(overlap, step.dt * middle_velocity, growth);
+    return damper_force(step, weighed, stiffness, approach_velocity, middle_velocity);
   }
 };
 using ContactKinematics = KinematicsOf<double>;
@@ -94,8 +101,16 @@ concept NormalLaw = LawPart<L> &&
 /// What the dashpot of a law, which remembers or not, does to the balance of energy (laws/smooth/damper.h).
 template <class Real>
 EPAFI_LANES Real viscous_loss(const KinematicsOf<Real>& at, const ResponseOf<Real>& r, bool remembers) {
-  DampedContact<Real> now{r.elastic_force + r.adhesion, r.stiffness, r.dashpot, {r.share_before, Real{} + 1.0}};
-  if (!remembers) now.before = dashpot_before<Real>(at.overlap, at.step.dt * at.middle_velocity, r.growth);
+  const Real damper = damper_in_step<Real>(at.step.half_mobility, r.dashpot, r.growth);
+  DampedContact<Real> now{r.elastic_force + r.adhesion, r.stiffness, damper, {r.share_before, Real{} + 1.0}};
+  if (!remembers) {
+    const Real moved = at.step.dt * at.middle_velocity, late = at.step.dt * at.approach_velocity;
+    const Real begun = begun_share<Real>(at.overlap, moved, r.growth);
+    now.before = dashpot_before<Real>(at.overlap, moved, r.growth);
+    now.before.part = now.before.part * begun_share<Real>(at.overlap - moved, 3.0 * moved - 2.0 * late, r.growth);
+    now.before.whole = now.before.whole * begun;
+    now.dashpot = now.dashpot * begun;
+  }
   return dashpot_power<Real>(at.step, r.force - r.elastic_force, at.approach_velocity, at.middle_velocity, now);
 }
 

@@ -11,6 +11,7 @@
 #include <algorithm>
 
 #include "engine/lanes/lanes.h"
+#include "laws/lane_choice.h"
 
 namespace epafi {
 
@@ -31,6 +32,30 @@ EPAFI_LANES Velocity damper_force(const DamperStep<Real>& step, const Real& dash
   const Real lag = damper_share * (step.half_mobility * dashpot), part = dashpot / (1.0 + lag);
   const Real of_late = part * (1.0 - lag), of_middle = part * (2.0 * lag - (step.dt * step.half_mobility) * stiffness);
   return of_late * v_late + of_middle * v_middle;
+}
+
+/// c ~ overlap^growth in a step of dt, such that impacts keep their restitution: with c itself the scheme damps more
+/// than the law does, by (2 - 4/3 growth) (c dt/(2 m*))^2 of the exponent ln e (fitted to impacts by `linear`, `hertz`
+/// and `hunt-crossley` of 10 to 25 steps, e from 0.05).
+template <class Real>
+EPAFI_LANES Real damper_in_step(const Real& half_mobility, const Real& dashpot, const Real& growth) {
+  const Real share = half_mobility * dashpot;
+  return dashpot / (1.0 + max(2.0 - 4.0 / 3.0 * growth, Real{}) * share * share);
+}
+
+/// Weight of a dashpot c ~ overlap^growth, growth <= 1, in the first step of a contact, else 1. moved: what the overlap
+/// has grown by in the step [m]. First seen at an overlap of theta moved, 0 < theta <= 1, the dashpot has acted for
+/// theta + 1/2 of a step: the weight is (theta + 1/2)^(1 + q)/((1 + q) theta^q), its powers by a Pade approximant.
+/// Without it the restitution of a linear impact of e = 0.5 scatters by 8 % at 10 steps, with the time of first touch.
+template <class Real>
+EPAFI_LANES Real begun_share(const Real& overlap, const Real& moved, const Real& growth) {
+  const Real one = Real{} + 1.0, least = Real{} + 1e-300;
+  const Real way = max((1.0 + 1e-9) * moved, least);  // theta = 1 counts, whatever its rounding
+  if (!any_less(overlap, way)) return one;
+  const Real twice = 2.0 * max(overlap, Real{}), passed = 0.5 * (twice + way), q = min(growth, one);
+  const Real turned = q * (passed - twice), mean = 1.0 - 0.25 * q * (1.0 - q);
+  const Real power = mean * (passed + twice + turned) / max(passed + twice - turned, 0.01 * passed);
+  return if_less(Real{}, overlap, if_less(overlap, way, passed / way * power, one), one);
 }
 
 /// c of the step before over c now: part/whole; part 0 where there was no contact.
@@ -70,8 +95,8 @@ EPAFI_LANES Real dashpot_power(const DamperStep<Real>& step, const Real& push, c
   const Real gained = v_late - v_middle, first = v_middle - gained, before = first - gained;
   const Real part = now.before.part, whole = now.before.whole;
   const Real lag = damper_share * (step.half_mobility * now.dashpot);
-  const Real of_before = 2.0 * lag - (step.dt * step.half_mobility) * now.stiffness;
-  const Real top = now.dashpot * part * ((whole - lag * part) * first + of_before * part * before);
+  const Real spring = (step.dt * step.half_mobility) * now.stiffness;
+  const Real top = now.dashpot * part * ((whole - lag * part) * first + (2.0 * lag * part - spring * whole) * before);
   const Real spring_before = max(Real{}, now.elastic - now.stiffness * (step.dt * v_middle));
   const Real push_before = max(top / max(whole * (whole + lag * part), Real{} + 1e-300), -spring_before);
   return push * v_middle + push_before * gained;
@@ -80,13 +105,14 @@ EPAFI_LANES Real dashpot_power(const DamperStep<Real>& step, const Real& push, c
 /// dt^2/4 k and what the dashpot adds to it where the contact's force alternates from step to step [kg]: a body is
 /// stable while the sum of its contacts stays below its mass. mobility: 1/m* [1/kg].
 inline double damped_weight(double stiffness, double dashpot, double mobility, double dt) {
-  const double spring = 0.25 * dt * dt * stiffness, damper = dt * dashpot;
+  const double spring = 0.25 * dt * dt * stiffness, damper = dt * damper_in_step(0.5 * dt * mobility, dashpot, 0.0);
   return spring + damper * std::max(0.0, 1.0 - spring * mobility) / (1.0 + 0.5 * damper_share * damper * mobility);
 }
 
 /// Of a contact alone, whose other root decides: to 10 % on the safe side, from e = 0.4 to overdamped.
 inline double lone_damped_weight(double stiffness, double dashpot, double mobility, double dt) {
-  const double other = 0.25 * dt * dt * stiffness + dt * dashpot / damper_share;
+  const double damper = damper_in_step(0.5 * dt * mobility, dashpot, 0.0);
+  const double other = 0.25 * dt * dt * stiffness + dt * damper / damper_share;
   return std::max(damped_weight(stiffness, dashpot, mobility, dt), other);
 }
 

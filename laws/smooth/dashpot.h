@@ -3,17 +3,29 @@
 /// damping, exactly; other bodies, whose I is taken as the harmonic mean of their moments, about that. Without it only
 /// slip takes energy from the shear of a packing at rest.
 #pragma once
+#include <algorithm>
+#include <cmath>
+
 #include "laws/smooth/friction.h"
+#include "laws/smooth/restitution.h"
 
 namespace epafi {
+
+/// zeta_t of spheres for c = 2 sqrt(5/6) beta sqrt(k_t m*), beta = -ln e/sqrt(ln^2 e + pi^2): the normal damping of
+/// Tsuji et al. (1992) beside the tangential spring, as in LIGGGHTS and LAMMPS. m* = 7/2 m_t.
+inline double tangential_damping_of(double restitution) {
+  const double log = std::log(std::clamp(restitution, minimum_restitution, 1.0));
+  return std::sqrt(5.0 / 6.0 * 3.5) * -log / std::hypot(log, 3.141592653589793);
+}
 
 /// Optional, so that one given to a law without dashpot is noticed.
 inline Field tangential_damping_field() {
   return optional_field("tangential_damping", "zeta_t", "", Kind::number, {0, 2, false, false},
-                        "damping of the tangential spring over the critical; default: 0.3");
+                        "damping of the tangential spring over the critical; default: that of the restitution");
 }
 inline double tangential_damping(const MaterialPair& pair) {
-  return pair.parameters.has("tangential_damping") ? pair.parameters.number("tangential_damping") : 0.3;
+  return pair.parameters.has("tangential_damping") ? pair.parameters.number("tangential_damping")
+                                                   : tangential_damping_of(pair.restitution);
 }
 
 /// Spring of fixed ratio to the normal stiffness, with dashpot.

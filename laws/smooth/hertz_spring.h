@@ -16,7 +16,7 @@ EPAFI_LANES Real hertz_stiffness(const Real& modulus, const KinematicsOf<Real>& 
 template <class Real>
 EPAFI_LANES ResponseOf<Real> hertz_response(const KinematicsOf<Real>& c, const Real& stiffness, const Real& elastic,
                                             const Real& dashpot, double growth) {
-  return {.force = max(Real{}, elastic + c.viscous(dashpot, stiffness)),
+  return {.force = max(Real{}, elastic + c.viscous(dashpot, stiffness, Real{} + growth)),
           .elastic_force = elastic,
           .stiffness = stiffness,
           .energy = 0.4 * elastic * c.overlap,

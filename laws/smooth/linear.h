@@ -44,7 +44,7 @@ struct Linear {
   EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
     const Real elastic = p.stiffness * c.overlap;
     const Real dashpot = 2.0 * p.damping_ratio * sqrt(c.effective_mass * p.stiffness);
-    const Real force = max(Real{}, elastic + c.viscous(dashpot, p.stiffness));
+    const Real force = max(Real{}, elastic + c.viscous(dashpot, p.stiffness, Real{}));
     return {.force = force,
             .elastic_force = elastic,
             .stiffness = p.stiffness,

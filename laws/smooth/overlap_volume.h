@@ -44,13 +44,14 @@ struct OverlapVolume {
     const Real stiffness = p.modulus * c.area / c.effective_radius;
     const Real elastic = stiffness * c.overlap;
     const Real dashpot = 2.0 * p.damping_ratio * sqrt(c.effective_mass * stiffness);
-    const Real force = max(Real{}, elastic + c.viscous(dashpot, stiffness));
+    const Real growth = Real{} + 0.5;  // a face 0, an edge 1/2, a corner 1
+    const Real force = max(Real{}, elastic + c.viscous(dashpot, stiffness, growth));
     return {.force = force,
             .elastic_force = elastic,
             .stiffness = stiffness,
             .energy = 0.5 * elastic * c.overlap,
             .dashpot = dashpot,
-            .growth = Real{} + 0.5};  // a face 0, an edge 1/2, a corner 1
+            .growth = growth};
   }
 };
 static_assert(LaneLaw<OverlapVolume>);

@@ -101,7 +101,7 @@ struct PowerLaw {
     const Real below = p.stiffness * power_below(c.overlap, p.exponent);  // k delta^(n-1)
     const Real elastic = below * c.overlap;
     const Real dashpot = p.dashpot + p.damping_ratio * sqrt(c.effective_mass * below);
-    const Real force = max(Real{}, elastic + c.viscous(dashpot, p.exponent * below));
+    const Real force = max(Real{}, elastic + c.viscous(dashpot, p.exponent * below, viscous_power(p)));
     return {.force = force,
             .elastic_force = elastic,
             .stiffness = p.exponent * below,

@@ -4,6 +4,7 @@
 #include "engine/units/random.h"
 #include "laws/material.h"
 #include "laws/smooth/critical_step.h"
+#include "laws/smooth/dashpot.h"
 #include "tests/support/catch.h"
 #include "tests/support/experiments.h"
 
@@ -139,4 +140,19 @@ TEST_CASE("a strong dashpot shortens the time step", "[laws][friction][critical_
   };
   CHECK(step(1.0) < 0.6 * step(0.0));
   CHECK(step(0.01) == Approx(step(0.0)).epsilon(0.05));
+}
+
+TEST_CASE("the tangential dashpot of spheres is that of the restitution where the scene gives none",
+          "[laws][dashpot]") {
+  Random random(77, 0);
+  for (int draw = 0; draw < 50; ++draw) {
+    MaterialPair pair;
+    pair.restitution = random.uniform(0.02, 1.0);
+    const double mass = random.uniform(1e-6, 1e-3), k = random.uniform(1e3, 1e7);  // m* and k_t
+    const double log = std::log(pair.restitution), beta = -log / std::sqrt(log * log + M_PI * M_PI);
+    const double c = 2.0 * tangential_damping(pair) * std::sqrt(2.0 / 7.0 * mass * k);
+    CHECK(c == Approx(2.0 * std::sqrt(5.0 / 6.0) * beta * std::sqrt(k * mass)).epsilon(1e-12));
+    pair.parameters = parameters_of({{"tangential_damping", 0.7}});
+    CHECK(tangential_damping(pair) == 0.7);
+  }
 }

@@ -80,14 +80,16 @@ TEST_CASE("every damped law returns the restitution asked for: speed, mass, modu
       }
 }
 
-TEST_CASE("locating the edges of a contact within the step makes coarse impacts exact", "[laws][restitution][edge]") {
+TEST_CASE("coarse impacts are exact whatever the phase of first touch, elastic ones with located edges",
+          "[laws][restitution][edge]") {
   // the laws whose parts are powers; at 50 steps, worst of 16 phases, and over e
   for (const char* law : {"linear", "hertz"}) {
     for (double e : asked) {
       const ImpactCase c = make_case(law, 1.5, 1.0, 4000, 1e9);
       const double plain = worst_error(c, e, 50, 16, false), located = worst_error(c, e, 50, 16, true);
       INFO(law << " e " << e << " plain " << plain << " located " << located);
-      CHECK(located < 0.5 * plain);
+      CHECK(plain < 8e-4);  // 7e-3 and 2e-3 if the first step of a contact counts in whole
+      if (e > 0.9) CHECK(located < 0.5 * plain);
     }
   }
 }

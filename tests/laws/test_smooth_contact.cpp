@@ -339,12 +339,13 @@ TEST_CASE("a bilateral contact is bounded below dt = 2/omega and blows up above 
   }
 }
 
-TEST_CASE("restitution at a tenth of the contact time is right on average over phases", "[laws][critical_step]") {
+TEST_CASE("restitution at a tenth of the contact time is right at every phase of first touch",
+          "[laws][critical_step]") {
   const double k = 1e6, radius = 5e-3;
-  // velocities predicted by the last force alone err by 3.9e-3, 1.5e-2 and 2.2e-2
-  for (const auto& [e, error] : {std::pair{0.9, 1.5e-3}, {0.6, 1.5e-3}, {0.4, 8e-3}}) {
+  // a dashpot that acts for the whole of its first step errs by up to 4e-2 to 6e-2
+  for (const auto& [e, mean] : {std::pair{0.9, 1.5e-3}, {0.6, 2.5e-3}, {0.4, 4e-3}}) {
     const SmoothSetup setup = setup_of({"linear", e, 0, 0, parameters_of({{"stiffness", k}})}, {soft_glass, wall});
-    double sum = 0.0;
+    double sum = 0.0, worst = 0.0;
     constexpr int phases = 50;
     for (int i = 0; i < phases; ++i) {
       Rig rig = sphere_on_plane(setup, radius, 1.0, {0, 0, -1});
@@ -353,9 +354,11 @@ TEST_CASE("restitution at a tenth of the contact time is right on average over p
       rig.start();
       for (int step = 0; step < 30; ++step) rig.step(dt);
       sum += rig.world.velocity[0].z();
+      worst = std::max(worst, std::abs(rig.world.velocity[0].z() - e));
     }
     INFO("restitution " << e);
-    CHECK(std::abs(sum / phases - e) < error);
+    CHECK(std::abs(sum / phases - e) < mean);
+    CHECK(worst < 1.2e-2);
   }
 }
 
@@ -378,7 +381,7 @@ TEST_CASE("a chain of damped contacts is quiet below its stable step and flicker
       (4.0 / m * damped_weight(k, c, 2.0 / m, middle) < 1.0 ? low : high) = middle;
     }
     const double dt = part * low;
-    CHECK(dt < 0.7 * std::sqrt(m / k));  // the damper decides
+    CHECK(dt < 0.85 * std::sqrt(m / k));  // the damper decides
     for (int step = 0; step < 600; ++step) rig.step(dt);
     double fastest = 0.0;
     for (Slot s = 0; s < n; ++s) fastest = std::max(fastest, std::abs(rig.world.velocity[s].x()));
