@@ -1,4 +1,4 @@
-/// What a body touches as one surface: walls that move as one, and a wall for all parts of a body.
+/// What a body touches as one surface: fixed and driven walls, and a wall for all parts of a body.
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -24,11 +24,6 @@ Feature exchanged_feature(Feature f) {
 
 }  // namespace
 
-bool Seams::move_as_one(const World& world, Slot p, Slot q) {
-  return !world.is_movable(p) && !world.is_movable(q) && world.velocity[p] == world.velocity[q] &&
-         (!world.rotates() || world.angular_velocity[p] == world.angular_velocity[q]);
-}
-
 void Seams::join(const Group& first, const Group& second) {
   const std::uint32_t p = surface_of(static_cast<std::uint32_t>(&first - groups_.data())),
                       q = surface_of(static_cast<std::uint32_t>(&second - groups_.data()));
@@ -49,7 +44,7 @@ void Seams::join_spanned(const World& world, const ContactSet& contacts) {
       const Vec3& normal = contacts.normal[groups_[k].begin];
       for (const std::uint32_t m : of_body_.at(body)) {
         if (m >= k) break;
-        if (!move_as_one(world, wall, groups_[m].of(groups_[m].a == body))) continue;
+        if (world.is_movable(groups_[m].of(groups_[m].a == body))) continue;
         find_tops(world, std::array{m, k}, body, body_is_b ? normal : Vec3(-normal));
         if (tops_.size() == 2) join(groups_[k], groups_[m]);
       }

@@ -352,7 +352,8 @@ Vec3 Seams::centre_of_body(const World& world, const ContactSet& contacts, std::
 bool Seams::is_hidden(const World& world, ContactSet& contacts, const Candidate& c) {
   const auto hides = [&](const Other& other) {
     if (!is_on(shapes_, other.piece, c.point, other.level)) return false;
-    if (other.piece.part == WallPiece::whole && move_as_one(world, c.wall, other.wall)) join(*c.group, *other.held);
+    if (other.piece.part == WallPiece::whole && !world.is_movable(c.wall) && !world.is_movable(other.wall))
+      join(*c.group, *other.held);
     if (!holds_instead(world, contacts, c, other)) return false;
     contacts.joined.push_back({c.body, other.wall, c.wall});
     return true;
