@@ -135,7 +135,7 @@ class Seams {
   /// Their walls are one surface.
   void join(const Group& first, const Group& second);
   std::uint32_t surface_of(std::uint32_t group) const;
-  void join_spanned(const World& world, const ContactSet& contacts);
+  void join_level(const World& world, const ContactSet& contacts);
   void rest_on_few(const World& world, ContactSet& contacts);
   void rest_on_few(const World& world, ContactSet& contacts, std::span<const std::uint32_t> surface);
   void find_corners(const World& world, Slot body, const Vec3& centre, OutlineCorners& out) const;

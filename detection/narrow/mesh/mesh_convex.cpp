@@ -101,15 +101,13 @@ class ConvexOnMesh {
     solved_.clear();
     for (const std::uint32_t t : near_) {
       if (region_of_[place_of(triangles_, t)] != none) continue;
-      gather_region(b_, triangles_, t, sees_front(t), region_);
+      gather_region(b_, triangles_, t, fronts_[place_of(triangles_, t)], region_);
       for (const std::uint32_t member : region_.triangles)
         if (std::size_t& known = region_of_[place_of(triangles_, member)]; known == none) known = solved_.size();
       solved_.push_back({infinity, Vec3::Zero(), Vec3::Zero(), 0.0});
       solve(solved_.back());
     }
   }
-  bool sees_front(std::uint32_t t) const { return fronts_[place_of(triangles_, t)]; }
-  Vec3 normal_of(std::uint32_t t) const { return sees_front(t) ? mesh_->normals[t] : Vec3(-mesh_->normals[t]); }
 
   /// The way out of the region; on a face where its plane is as good, within the tolerance. solved: what has contacts.
   void solve(WayOut& solved) {
@@ -207,19 +205,13 @@ class ConvexOnMesh {
   /// A triangle at x that is not of the region reaches out along the way, and the body would go into it or along the
   /// surface: a concave or an inner edge.
   bool leans_on_others(const WayOut& way, const Vec3& x) const {
-    for (const std::uint32_t t : triangles_) {
-      if (std::ranges::binary_search(region_.triangles, t) || !lies_on(*mesh_, t, x, 10.0 * b_.tolerance)) continue;
-      const Vec3 n = normal_of(t);
-      const auto goes_on = [&](const RegionPlane& p) {
-        return n.dot(p.normal) > 0.5 && std::abs(p.normal.dot(x - p.point)) <= b_.tolerance;
-      };
-      if (n.dot(way.normal) > -0.01 && std::ranges::none_of(region_.planes, goes_on)) continue;
-      for (const Vec3& c : mesh_->corners(t)) {
-        const Vec3 w = c - x;  // flat within 1e-6 rad is not reaching out
-        if (way.normal.dot(w) > 1e-3 * b_.tolerance + 1e-6 * w.norm()) return true;
-      }
-    }
-    return false;
+    const auto reaches_out = [&](const Vec3& c) {  // flat within 1e-6 rad is not reaching out
+      return way.normal.dot(c - x) > 1e-3 * b_.tolerance + 1e-6 * (c - x).norm();
+    };
+    return std::ranges::any_of(triangles_, [&](std::uint32_t t) {
+      return !std::ranges::binary_search(region_.triangles, t) && lies_on(*mesh_, t, x, 10.0 * b_.tolerance) &&
+             std::ranges::any_of(mesh_->corners(t), reaches_out);
+    });
   }
   /// The point belongs to a region that is as deep there.
   bool is_known(const WayOut& way) const {
