@@ -437,6 +437,11 @@ double FatBodies::plane_use(const World& world, const ListFrame& now) const {
     const Quat turn = turns ? Quat(world.orientation[s] * orientation[s].conjugate()) : Quat(1, 0, 0, 0);
     const Vec3 n = turns && world.orientation[s].coeffs() != orientation[s].coeffs() ? Vec3(turn * p.normal) : p.normal;
     const Vec3 point = world.position[s];
+    // put back into the cell it is the same plane, but its pairs are named by how often it was
+    for (Eigen::Index axis = 0; world.cell && axis < 3; ++axis)
+      if (world.cell->repeats[static_cast<std::size_t>(axis)] &&
+          std::abs(point[axis] - p.point[axis]) > 0.5 * world.cell->size[axis])
+        return infinity;
     const double nearer = most_of_corners(around, [&](const Vec3& x) {
       return (p.normal - n).dot(x - p.point) + n.dot(Vec3(point - p.point - now.way_from(x)));
     });

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "detection/narrow/mesh/triangle_solid.h"
+#include "detection/narrow/mesh/triangle_core.h"
 
 namespace epafi {
 namespace {
@@ -164,9 +164,9 @@ void SweepGuard::look(const World& world, double duration, std::size_t k, Hit& h
                      .fattened(way.travel.norm()),
                  triangles_);
       for (const std::uint32_t t : triangles_) {
-        const TriangleSolid solid(mesh.corners(t), mesh.normals[t]);
-        MovingBody b{ConvexRef::to(solid), 0.0, mesh.bounding_radius(), way};
-        b.path.start.position = way.start.to_world(solid.centre());
+        const TriangleCore triangle(mesh.corners(t));
+        MovingBody b{ConvexRef::to(triangle), 0.0, mesh.bounding_radius(), way};
+        b.path.start.position = way.start.to_world(triangle.centre);
         meet(a, allowed, b, hit);
       }
     } else {

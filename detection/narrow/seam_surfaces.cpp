@@ -1,4 +1,4 @@
-/// What a body touches as one surface: walls that move as one, and a wall for all parts of a body.
+/// What a body touches as one surface: fixed and driven walls, and a wall for all parts of a body.
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -24,11 +24,6 @@ Feature exchanged_feature(Feature f) {
 
 }  // namespace
 
-bool Seams::move_as_one(const World& world, Slot p, Slot q) {
-  return !world.is_movable(p) && !world.is_movable(q) && world.velocity[p] == world.velocity[q] &&
-         (!world.rotates() || world.angular_velocity[p] == world.angular_velocity[q]);
-}
-
 void Seams::join(const Group& first, const Group& second) {
   const std::uint32_t p = surface_of(static_cast<std::uint32_t>(&first - groups_.data())),
                       q = surface_of(static_cast<std::uint32_t>(&second - groups_.data()));
@@ -40,16 +35,16 @@ std::uint32_t Seams::surface_of(std::uint32_t group) const {
   return group;
 }
 
-/// Level walls are one surface to a body of parts that spans what is between them.
-void Seams::join_spanned(const World& world, const ContactSet& contacts) {
-  for (std::uint32_t k = 0; k < groups_.size() && solids_; ++k)
+/// Level walls are one surface to a body of flat faces that is on both, wherever it touches them.
+void Seams::join_level(const World& world, const ContactSet& contacts) {
+  for (std::uint32_t k = 0; k < groups_.size(); ++k)
     for (const bool body_is_b : {false, true}) {
       const Slot body = groups_[k].of(body_is_b), wall = groups_[k].of(!body_is_b);
-      if (parts_[body] == 0 || world.is_movable(wall)) continue;
+      if (flat_[body] == 0 || !world.is_movable(body) || world.is_movable(wall)) continue;
       const Vec3& normal = contacts.normal[groups_[k].begin];
       for (const std::uint32_t m : of_body_.at(body)) {
         if (m >= k) break;
-        if (!move_as_one(world, wall, groups_[m].of(groups_[m].a == body))) continue;
+        if (world.is_movable(groups_[m].of(groups_[m].a == body))) continue;
         find_tops(world, std::array{m, k}, body, body_is_b ? normal : Vec3(-normal));
         if (tops_.size() == 2) join(groups_[k], groups_[m]);
       }
@@ -58,7 +53,7 @@ void Seams::join_spanned(const World& world, const ContactSet& contacts) {
 
 /// Contacts of one surface come in the order of the ids of its walls: slots change.
 void Seams::rest_on_few(const World& world, ContactSet& contacts) {
-  join_spanned(world, contacts);
+  if (joins_) join_level(world, contacts);
   ordered_.clear();
   for (std::uint32_t k = 0; k < groups_.size(); ++k) {
     const std::uint32_t surface = surface_of(k);
@@ -192,6 +187,8 @@ bool Seams::stand_on_tops(const World& world, ContactSet& contacts, Slot body, d
     lowest = std::min(lowest, on_plate.gap[i]);
   }
   if (!(lowest <= deepest + near) || lowest < deepest - std::abs(deepest) - near) return false;
+  // a cylinder's points have one name whichever of the two comes first (collide_flat_core)
+  const bool keeps_names = shapes_.with(ShapeRef{world.shape[body]}, []<class S>(const S&) { return HasFlatSides<S>; });
   for (std::size_t i = 0; i < on_plate.size(); ++i) {
     const Group& g = *top_of[i]->group;
     const bool of_a = g.a == body;
@@ -201,7 +198,7 @@ bool Seams::stand_on_tops(const World& world, ContactSet& contacts, Slot body, d
                     {on_plate.gap[i], of_a ? n : Vec3(-n), of_a ? place : Vec3(place + g.branch),
                      contacts.with_curvature ? on_plate.effective_radius[i] : 0.0,
                      (contacts.feature[g.begin] >> 56 << 56) |
-                         (of_a ? on_plate.feature[i] : exchanged_feature(on_plate.feature[i]))});
+                         (of_a || keeps_names ? on_plate.feature[i] : exchanged_feature(on_plate.feature[i]))});
     hidden_.push_back(0);
   }
   return !top_of.empty();

@@ -89,7 +89,6 @@ void Seams::hide(const World& world, ContactSet& contacts) {
   candidates_.clear();
   others_.clear();
   for (const Group& group : groups_) consider(world, contacts, group);
-  if (candidates_.empty() && !solids_) return;
   surface_.resize(groups_.size());
   std::iota(surface_.begin(), surface_.end(), 0u);
   hidden_.assign(contacts.size(), 0);
@@ -99,7 +98,7 @@ void Seams::hide(const World& world, ContactSet& contacts) {
   const std::size_t before = hidden_.size();
   rest_on_few(world, contacts);
   const bool appended = hidden_.size() > before;
-  take_out(contacts, hidden_);
+  if (std::ranges::count(hidden_, 0) < std::ssize(hidden_)) take_out(contacts, hidden_);
   if (appended) contacts.sort();
   auto& joined = contacts.joined;
   std::sort(joined.begin(), joined.end());
@@ -352,7 +351,8 @@ Vec3 Seams::centre_of_body(const World& world, const ContactSet& contacts, std::
 bool Seams::is_hidden(const World& world, ContactSet& contacts, const Candidate& c) {
   const auto hides = [&](const Other& other) {
     if (!is_on(shapes_, other.piece, c.point, other.level)) return false;
-    if (other.piece.part == WallPiece::whole && move_as_one(world, c.wall, other.wall)) join(*c.group, *other.held);
+    if (other.piece.part == WallPiece::whole && !world.is_movable(c.wall) && !world.is_movable(other.wall))
+      join(*c.group, *other.held);
     if (!holds_instead(world, contacts, c, other)) return false;
     contacts.joined.push_back({c.body, other.wall, c.wall});
     return true;

@@ -7,9 +7,9 @@
 /// one of lower id keeps the contact. Walls are fixed or driven bodies, and free ones that stand still against each
 /// other (tiles on a floor, stones of an arch): those may differ in level by as much as they are pressed in there, up
 /// to a tenth of half their least width. In a periodic cell a wall that is as wide as the cell touches its own images.
-/// The convex parts of a solid, free or fixed, are one surface in the same way. On a surface of walls that move as one
-/// a body rests with the points of one wall, and so does a body of parts (few_points.h); one with flat faces on level
-/// polyhedra as on one plate (seam_surfaces.cpp), whatever normal and points each pair has chosen.
+/// The convex parts of a solid, free or fixed, are one surface in the same way. On a surface of fixed or driven
+/// walls a body rests with the points of one wall, and so does a body of parts (few_points.h); one with flat faces on
+/// level polyhedra as on one plate (seam_surfaces.cpp), whatever normal and points each pair has chosen.
 ///
 /// Limits: of closed meshes only the surface counts, not what it encloses; free bodies are not joined for a body that
 /// touches more than 64, or that is held.
@@ -132,12 +132,10 @@ class Seams {
   Candidate candidate(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b) const;
   WallPiece piece_at(const Candidate& c, const Vec3& point) const;
   bool is_hidden(const World& world, ContactSet& contacts, const Candidate& c);
-  /// Two walls.
-  static bool move_as_one(const World& world, Slot p, Slot q);
   /// Their walls are one surface.
   void join(const Group& first, const Group& second);
   std::uint32_t surface_of(std::uint32_t group) const;
-  void join_spanned(const World& world, const ContactSet& contacts);
+  void join_level(const World& world, const ContactSet& contacts);
   void rest_on_few(const World& world, ContactSet& contacts);
   void rest_on_few(const World& world, ContactSet& contacts, std::span<const std::uint32_t> surface);
   void find_corners(const World& world, Slot body, const Vec3& centre, OutlineCorners& out) const;

@@ -1,5 +1,7 @@
 #include "detection/narrow/gjk/epa.h"
 
+#include "detection/narrow/mesh/point_triangle.h"
+#include "detection/narrow/mesh/triangle_core.h"
 #include "detection/narrow/polyhedra/polyhedra.h"
 #include "detection/shapes/box.h"
 #include "detection/shapes/capsule.h"
@@ -113,5 +115,29 @@ TEST_CASE("the deepest points are a tip and its foot wherever the tip stands on 
     CHECK(std::abs(p.upper - depth) < 2e-12 * 6.5);
     CHECK((p.witness_a - foot).norm() < 1e-11);  // a few ulp of 6.5, over the apex of 40 degrees
     CHECK((p.witness_b - (foot - Vec3(0, 0, depth))).norm() < 1e-11);
+  }
+}
+
+TEST_CASE("a sliver in a box is left by a way that parts them, its deepest points on both", "[detection][epa]") {
+  Random random(34, 0);
+  for (int k = 0; k < 400; ++k) {
+    const Box box(testing::random_point(random, 0.2, 1.0));
+    const double thin = std::pow(10.0, random.uniform(-15, -3));
+    const Vec3 along = testing::random_direction(random),
+               inside = 0.9 * box.half.cwiseProduct(testing::random_point(random));
+    const std::array<Vec3, 3> corner{inside - random.uniform(0.5, 5) * along, inside + random.uniform(0.5, 5) * along,
+                                     inside + thin * along.unitOrthogonal()};
+    const TriangleCore sliver(corner);
+    const auto d = difference(box, {}, sliver, {sliver.centre, upright});
+    const auto p = epa(d);
+    INFO("draw " << k << ", " << thin << " m thin");
+    const double size = d.size(), parts = p.normal.dot(d.support(p.normal).y);
+    CHECK(p.upper - p.lower < 1e-9 * size);
+    CHECK(std::abs(parts - p.upper) < 1e-12 * size);
+    const Vec3 on_sliver = p.witness_b;
+    CHECK((p.witness_a.cwiseAbs() - box.half).maxCoeff() < 1e-9 * size);
+    const double along_it = nearest_on_segment(on_sliver, corner[0], corner[1]);
+    CHECK((corner[0] + along_it * (corner[1] - corner[0]) - on_sliver).norm() < 1e-9 * size + thin);
+    CHECK((p.witness_a - on_sliver - p.upper * p.normal).norm() < 1e-9 * size);
   }
 }

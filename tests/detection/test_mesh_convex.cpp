@@ -115,6 +115,50 @@ Found laid(const A& a, int count, std::uint64_t stream) {
   return out;
 }
 
+/// How far x is from the surface of a box or cylinder along its nearest side; inside and outside alike.
+double off_box(const Vec3& half, const Vec3& x) { return std::abs((x.cwiseAbs() - half).maxCoeff()); }
+double off_cylinder(const Cylinder& c, const Vec3& x) {
+  return std::abs(std::max(std::abs(x.z()) - c.half_length(), std::hypot(x.x(), x.y()) - c.radius));
+}
+
+/// A cylinder that leans on the rim of the table by its side, its end or its own rim: every contact joins a point of
+/// its surface with one of the table's, as far apart as it says, and the deepest is the way out of the solid.
+void check_leaning(Random& random) {
+  const Vec3 half(0.5, 0.4, 0.3);
+  const Box solid(half);
+  const Cylinder can(random.uniform(0.05, 0.3), random.uniform(0.02, 0.6));
+  const double size = can.bounding_radius(), depth = std::pow(10.0, random.uniform(-6, -2.5)) * size;
+  ShapeStore shapes;
+  World world(Columns{.rotation = true, .force = false});
+  Body body;
+  body.shape = shapes.add(can).packed;
+  const Vec3 axis(std::cos(random.uniform(0, 6)), std::sin(random.uniform(0, 6)), 0.0);
+  body.orientation = Quat(Eigen::AngleAxisd(random.uniform(0.05, 1.5), axis.normalized()));
+  const double side = random.uniform(-1.0, 1.0) * half.y();
+  body.position =
+      Vec3(half.x(), side, half.z()) + size * Vec3(random.uniform(-0.5, 1.0), 0.0, random.uniform(0.2, 1.0));
+  world.add(body);
+  body.shape = shapes.add(TriangleMesh::from_surface(support::table_surface(half, 3, random))).packed;
+  body.orientation = testing::upright;
+  body.position = Vec3::Zero();
+  world.add(body);
+  for (int step = 0; step < 20; ++step) {
+    const Way now = hull_answer(can, world.pose(0), solid, world.pose(1));
+    world.position[0] += (now.gap + depth) * now.normal;
+  }
+  ContactSet found;
+  support::ask_cell<Cylinder, TriangleMesh>(shapes, world, 0.0, found);
+  const double exact = hull_answer(can, world.pose(0), solid, world.pose(1)).gap;
+  REQUIRE(found.size() > 0);
+  CHECK(*std::min_element(found.gap.begin(), found.gap.end()) == Approx(exact).margin(1e-6 * size));
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const Vec3 middle = world.position[0] + found.arm[i], to_wall = 0.5 * found.gap[i] * found.normal[i];
+    CHECK(off_box(half, middle + to_wall) < 1e-6 * size);
+    // the corners of a round end stand for the rim between them
+    CHECK(off_cylinder(can, world.pose(0).to_local(middle - to_wall)) < 1e-6 * size - 0.1 * exact);
+  }
+}
+
 /// Deepest way out of the parts, world axes.
 template <class A>
 Way parts_answer(const A& a, const Pose& pa, const std::vector<support::RockPart>& parts, const Pose& plate) {
@@ -284,6 +328,14 @@ TEST_CASE("flat bodies over the edges of a table of triangles are as deep as in 
   check_laid(Box(Vec3(0.1, 0.15, 0.2)), 300, 1);
   check_laid(Cylinder(0.1, 0.2), 300, 2);
   check_laid(Cylinder(0.3, 0.02), 300, 3);
+}
+
+TEST_CASE("cylinders that lean on the rim of a table touch it where both are", "[detection][mesh][ridge]") {
+  Random random(505, 0);
+  for (int k = 0; k < 300; ++k) {
+    INFO("draw " << k);
+    check_leaning(random);
+  }
 }
 
 TEST_CASE("flat bodies over notches and holes of plates are as deep as in the largest of their boxes",

@@ -2,12 +2,12 @@
 // somewhere: no hit, a wrong depth, a flipped normal, a point far away, no end. The answers are closed forms.
 #include "detection/narrow/gjk/convex_answer.h"
 #include "detection/narrow/gjk/gjk.h"
-#include "detection/narrow/mesh/triangle_solid.h"
 #include "detection/narrow/narrow_phase.h"
 #include "tests/support/catch.h"
 #include "tests/support/pair_contacts.h"
 #include "tests/support/polyhedra.h"
 #include "tests/support/random_geometry.h"
+#include "tests/support/triangle_solid.h"
 
 using namespace epafi;
 using support::about;

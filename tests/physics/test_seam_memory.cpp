@@ -233,7 +233,6 @@ TEST_CASE("a ball that slides, rolls or hangs over tiles feels the forces of one
 
 TEST_CASE("a flat body that slides over tiles feels the forces of one plate", "[seams][physics][long]") {
   Random random(644, 1);
-  int cylinders_off = 0;
   for (int draw = 0; draw < 48; ++draw) {
     Passage m = random_slide(random, draw);
     Random same = random;
@@ -242,10 +241,6 @@ TEST_CASE("a flat body that slides over tiles feels the forces of one plate", "[
     INFO("draw " << draw << ", " << m.shape << ", " << m.law.keys << ", by part " << apart.force << ", " << apart.moment
                  << ", " << apart.place << " m, open " << plate.open << ", " << tiles.open);
     CHECK(apart.weight > 0.0);
-    if (m.shape.starts_with("cylinder")) {  // limit: of 16 two touch otherwise in some steps
-      cylinders_off += apart.force > 1e-4 || std::abs(tiles.open - plate.open) > 1e-7;
-      continue;
-    }
     // plastic contacts unload steeply and let go: of two plates whose places round otherwise forces differ as much
     const double rounding = m.law.keys == slide_laws[2].keys ? 1e-4 : 1e-6;
     CHECK(apart.force < rounding);  // 1 and more if each pair chooses normals and points for itself
@@ -255,5 +250,4 @@ TEST_CASE("a flat body that slides over tiles feels the forces of one plate", "[
     if (m.law.keys != slide_laws[3].keys || !m.shape.starts_with("polyhedron"))
       CHECK(std::abs(tiles.open - plate.open) < 1e-8);  // 1e-4 to 8e-2 if so
   }
-  CHECK(cylinders_off <= 2);
 }

@@ -273,7 +273,8 @@ class MeshSweep {
     return false;
   }
 
-  /// A part whose face is bare where the body's tip comes through it holds the body by that face.
+  /// A part whose face is bare where the body's tip comes through it holds the body by that face. All parts of a body
+  /// rest on four points of one normal: a deeper one may hold for this one.
   void judge_walls(const S& body, const Pose& pose, const SweptRock& rock, const ContactSet& found,
                    const std::vector<WayOfPart>& ways, SweepTally& tally) {
     const double size = body.bounding_radius();
@@ -290,7 +291,8 @@ class MeshSweep {
           ++tally.walls;
           bool held = false;
           for (std::size_t i = 0; i < found.size(); ++i)
-            held = held || ((found.normal[i] + face).norm() < 1e-3 && std::abs(found.gap[i] - gap) < tolerance_);
+            held = held || ((found.normal[i] + face).norm() < 1e-3 && found.gap[i] < gap + tolerance_ &&
+                            (Compound<S> || found.gap[i] > gap - tolerance_));
           tally.missed_walls += !held;
         }
       }

@@ -1,5 +1,6 @@
-/// @file mesh_contact.h  What the pairs with a mesh share: how a contact is named, and how the contacts of one body
-/// with many triangles become few. Everything is in the mesh's axes; normals point from the mesh to the body.
+/// @file mesh_contact.h  What the pairs with a mesh share: how a contact is named, what stands between two points, and
+/// how the contacts of one body with many triangles become few. Everything is in the mesh's axes; normals point from
+/// the mesh to the body.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -20,9 +21,19 @@ struct MeshPoint {
   Feature feature;
 };
 
-/// 28 bits for the triangle, 28 for what touches it there; the top byte stays free for the image code.
+/// 28 bits for the triangle or its face, 28 for what touches it there; the top byte stays free for the image code.
 constexpr Feature mesh_feature(std::uint32_t triangle, std::uint32_t local) {
   return Feature{triangle & 0xfffffffu} << 28 | (local & 0xfffffffu);
+}
+
+/// A point of a flat side: its kind (2 bits), what it is on the body (16 and 8 bits), 1 + side of the triangle that
+/// cuts the body there (2 bits).
+constexpr std::uint32_t local_name(Feature f, std::uint32_t cut = 0) {
+  return (static_cast<std::uint32_t>(feature_kind(f)) & 3u) << 26 | (feature_vertex_a(f) & 0xffffu) << 10 |
+         (feature_vertex_b(f) & 0xffu) << 2 | cut;
+}
+constexpr bool is_corner_of_body(Feature mesh_feature) {
+  return FeatureKind(mesh_feature >> 26 & 3u) == FeatureKind::vertex_a;
 }
 
 /// A point against a triangle's plane and sides: most points are on its face or out of reach, and no root or division
@@ -48,6 +59,14 @@ inline bool lies_on(const TriangleMesh& mesh, std::uint32_t t, const Vec3& x, do
   return at.beyond <= 0.0 || nearest_on_triangle(x, mesh.corners(t)).distance <= tolerance;
 }
 
+/// The triangle stands between the points, or its rim does; `to` is off its plane by more than the tolerance [m].
+inline bool stands_between(const TriangleMesh& mesh, std::uint32_t t, const Vec3& from, const Vec3& to,
+                           double tolerance) {
+  const double h0 = over_triangle(mesh, t, from).height, h1 = over_triangle(mesh, t, to).height;
+  if (!(h0 * h1 < 0.0) || std::abs(h1) <= tolerance) return false;
+  return over_triangle(mesh, t, from + h0 / (h0 - h1) * (to - from)).beyond <= tolerance;
+}
+
 /// Unit normal of a triangle towards the side on which x is; the front where x is in its plane.
 inline Vec3 normal_towards(const TriangleMesh& mesh, std::uint32_t t, const Vec3& x) {
   const Vec3& n = mesh.normals[t];
@@ -58,14 +77,6 @@ inline Vec3 normal_towards(const TriangleMesh& mesh, std::uint32_t t, const Vec3
 /// lies askew has a box much larger than itself.
 void drop_far(const TriangleMesh& mesh, const Vec3& x, double distance, std::size_t first,
               std::vector<std::uint32_t>& triangles);
-
-/// How a point is named: kind (2 bits), what it is on the body (18 bits), side of the triangle (2 bits).
-constexpr std::uint32_t local_name(FeatureKind kind, std::uint32_t on_body, std::uint32_t side) {
-  return static_cast<std::uint32_t>(kind) << 20 | (on_body & 0x3ffffu) << 2 | (side & 3u);
-}
-constexpr bool is_corner_of_body(Feature mesh_feature) {
-  return FeatureKind(mesh_feature >> 20 & 0xff) == FeatureKind::vertex_a;
-}
 
 /// Merges points that are one (position and normal within 1e-6 of `size` and of 1), keeping the lowest feature; of
 /// points with one normal keeps all if they are corners of the body and springs act there, else those that keep_four

@@ -1,10 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "detection/narrow/gjk/epa.h"
 #include "detection/narrow/mesh/mesh_pairs.h"
 #include "detection/narrow/mesh/mesh_region.h"
-#include "detection/narrow/mesh/triangle_solid.h"
 #include "detection/narrow/pairs/flat_patch.h"
 #include "detection/narrow/pairs/side_clip.h"
 
@@ -26,202 +24,95 @@ bool all_plain(const TriangleMesh& mesh, std::span<const std::uint32_t> triangle
   });
 }
 
-/// Of the faces around the vertex farthest against n (its own axes) the one that looks most against n.
-std::uint32_t face_against(const PolyhedronView& p, const Vec3& n) {
-  const std::uint32_t v = ConvexHull::support_vertex(p, -n);
-  std::uint32_t best = p.fans[p.fan_begin[v]];
-  for (std::uint32_t k = p.fan_begin[v] + 1; k < p.fan_begin[v + 1]; ++k)
-    if (p.face_normals[p.fans[k]].dot(n) < p.face_normals[best].dot(n)) best = p.fans[k];
-  return best;
+/// What the body turns along d (its axes): the corners of a face, of a flat end or of a straight side.
+void side_along(const MeshGuest& body, const Vec3& d, std::vector<SidePoint>& out) {
+  if (body.polyhedron) {
+    const PolyhedronView& p = *body.polyhedron;
+    const std::uint32_t face = face_along(p, d);
+    for (std::uint32_t k = p.face_begin[face]; k < p.face_begin[face + 1]; ++k)
+      out.push_back({p.vertices[p.face_vertices[k]], p.face_vertices[k], 0});
+  } else if (body.facing) {
+    const FlatSide side = body.facing(body.shape, d);
+    for (std::uint32_t k = 0; k < static_cast<std::uint32_t>(side.count); ++k) out.push_back({side.corner[k], k, 0});
+  }
 }
 
-/// The contacts of a body with a plane as if it were a half-space, as f(point, gap, feature of the closed form).
-template <class Collide, class F>
-void points_on_plane(const PlacedCore& b, const Vec3& n, const Vec3& point, const Collide& collide, const F& f) {
-  static thread_local ContactSet set;  // keeps its size
-  set.clear();
-  ContactSink sink(set);
-  collide(HalfSpace{n}, PairQuery{b.pose, {point, Quat(1, 0, 0, 0)}, b.reach, false, nullptr}, sink);
-  for (std::size_t k = 0; k < set.size(); ++k) f(Vec3(b.pose.position + set.arm[k]), set.gap[k], set.feature[k]);
+/// What of it may be deepest in a plane across d: of a polyhedron the corners of all faces that look along d, as those
+/// of one alone would let go of one that is deep when the face turns; else its side and its tip.
+void corners_along(const MeshGuest& body, const Vec3& d, std::vector<SidePoint>& out) {
+  if (!body.polyhedron) {
+    side_along(body, d, out);
+    out.push_back({body.core.support(d), 0xffffu, 0});
+    return;
+  }
+  const PolyhedronView& p = *body.polyhedron;
+  for (std::uint32_t v = 0; v < p.vertices.size(); ++v) {
+    const auto fans = p.fans.subspan(p.fan_begin[v], p.fan_begin[v + 1] - p.fan_begin[v]);
+    const auto looks = [&](std::uint32_t face) { return p.face_normals[face].dot(d) > facing_cosine; };
+    if (std::ranges::any_of(fans, looks)) out.push_back({p.vertices[v], v, 0});
+  }
 }
-
-/// What a polyhedron turns towards a plane: a face.
-class PolyhedronSide {
- public:
-  explicit PolyhedronSide(const PolyhedronView& body) : body_(body) {}
-  ConvexRef core() const { return core_of(body_); }
-  /// In the body's axes; n: unit, against which it is turned.
-  void towards(const Vec3& n, std::vector<SidePoint>& out) const {
-    const std::uint32_t face = face_against(body_, n);
-    for (std::uint32_t k = body_.face_begin[face]; k < body_.face_begin[face + 1]; ++k)
-      out.push_back({body_.vertices[body_.face_vertices[k]], body_.face_vertices[k], 0});
-  }
-  /// All its vertices below the plane: those of one face alone would let go of one that is deep when the face turns.
-  template <class F>
-  void on_plane(const PlacedCore& b, const Vec3& n, const Vec3& point, const F& f) const {
-    const auto collide = [&](const HalfSpace& plane, const PairQuery& q, ContactSink& sink) {
-      collide_with_plane(body_, b.sweep, 0.0, plane, q, sink);
-    };
-    points_on_plane(b, n, point, collide, [&](const Vec3& x, double gap, Feature name) {
-      f(x, gap, local_name(FeatureKind::vertex_a, feature_vertex_a(name), 0));
-    });
-  }
-  /// Its corners on faces that look against n, as f(corner), mesh axes.
-  template <class F>
-  void corners_towards(const PlacedCore& b, const Vec3& n, const F& f) const {
-    const Vec3 local = b.turn.transpose() * n;
-    for (std::uint32_t v = 0; v < body_.vertices.size(); ++v) {
-      bool looks = false;
-      for (std::uint32_t k = body_.fan_begin[v]; k < body_.fan_begin[v + 1] && !looks; ++k)
-        looks = body_.face_normals[body_.fans[k]].dot(local) < -facing_cosine;
-      if (looks) f(SidePoint{b.pose.position + b.turn * body_.vertices[v], v, 0});
-    }
-  }
-  /// The points of an edge or corner of the region, along n: those of the triangles that reach as far.
-  template <class F>
-  void at_edge(const PlacedCore& b, const MeshRegion& region, const WayOut& way, const F& add) const {
-    for (const std::uint32_t t : region.triangles) {
-      const auto corner = b.mesh->corners(t);
-      const auto reaches = [&](const Vec3& c) { return way.normal.dot(c - way.on_mesh) > -b.tolerance; };
-      if (std::none_of(corner.begin(), corner.end(), reaches)) continue;
-      const TriangleSolid solid(corner, b.mesh->normals[t]);
-      const PolyhedronPair pair(body_, solid.view(), b.pose, solid.pose());
-      PolyhedronDistance d;
-      const Vec3 n = -(b.turn.transpose() * way.normal);
-      const Vec3 on_mesh = b.turn.transpose() * (way.on_mesh - b.pose.position);
-      d.axis.kind = SeparatingAxis::Kind::points;
-      d.axis.gap = way.gap;
-      d.axis.normal = n;
-      d.witness_a = on_mesh - way.gap * n;
-      d.witness_b = on_mesh;
-      const Patch patch = contact_patch(pair, d, b.reach, b.sweep, 0.0);
-      for (int k = 0; k < patch.count; ++k) {
-        const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
-        const std::uint32_t name =
-            local_name(feature_kind(p.feature), feature_vertex_a(p.feature), feature_vertex_b(p.feature));
-        add(b.pose.position + b.turn * p.position, p.gap, t, name);
-      }
-    }
-  }
-
- private:
-  const PolyhedronView& body_;
-};
-
-/// What a smooth body turns towards a plane: a flat side where it has one.
-class CoreSide {
- public:
-  explicit CoreSide(const CoreOnPlane& body) : body_(body) {}
-  const ConvexRef& core() const { return body_.core; }
-  void towards(const Vec3& n, std::vector<SidePoint>& out) const {
-    if (!body_.facing) return;
-    const FlatSide side = body_.facing(body_.shape, -n);
-    for (int k = 0; k < side.count; ++k)
-      out.push_back({side.corner[static_cast<std::size_t>(k)], static_cast<std::uint32_t>(k), 0});
-  }
-  template <class F>
-  void at_edge(const PlacedCore& b, const MeshRegion& region, const WayOut& way, const F& add) const {
-    const Mat3 to_body = b.turn.transpose();
-    const Vec3 n = -(to_body * way.normal);
-    const double gap = way.gap - b.sweep;
-    FlatPair pair{{}, {}, b.core.radius, b.sweep, 0.0};
-    if (body_.facing) pair.a = body_.facing(body_.shape, n);
-    std::uint32_t owner = region.triangles.front();
-    for (const std::uint32_t t : region.triangles)
-      for (const Vec3& c : b.mesh->corners(t)) {
-        if (!(way.normal.dot(c - way.on_mesh) > -b.tolerance)) continue;
-        owner = t;
-        const Vec3 x = to_body * (c - b.pose.position);
-        const auto one = [&](const Vec3& o) { return (o - x).squaredNorm() <= b.tolerance * b.tolerance; };
-        const auto end = pair.b.corner.begin() + pair.b.count;
-        if (pair.b.count < 3 && std::none_of(pair.b.corner.begin(), end, one))
-          pair.b.corner[static_cast<std::size_t>(pair.b.count++)] = x;
-      }
-    if (pair.b.count != 2) pair.b.count = 0;  // a corner, or a plane that was not meant
-    const Vec3 middle = to_body * (way.on_mesh - b.pose.position) - 0.5 * gap * n;
-    const Patch patch = flat_patch(pair, {middle, n, gap}, b.reach);
-    for (int k = 0; k < patch.count; ++k) {
-      const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
-      add(b.pose.position + b.turn * p.position, p.gap, owner,
-          local_name(feature_kind(p.feature), feature_vertex_a(p.feature) << 8 | feature_vertex_b(p.feature), 0));
-    }
-  }
-
-  /// The closed form against the plane of t, as f(point, gap, name).
-  template <class F>
-  void on_plane(const PlacedCore& b, const Vec3& n, const Vec3& point, const F& f) const {
-    const auto collide = [&](const HalfSpace& plane, const PairQuery& q, ContactSink& sink) {
-      body_.collide(body_.shape, plane, q, sink);
-    };
-    points_on_plane(b, n, point, collide, [&](const Vec3& x, double gap, Feature name) {
-      f(x, gap, static_cast<std::uint32_t>((name >> 44 & 3u) << 20 | (name >> 22 & 0xffu) << 8 | (name & 0xffu)));
-    });
-  }
-
- private:
-  const CoreOnPlane& body_;
-};
 
 /// One convex body against the convex regions of a surface.
-template <class Side>
 class ConvexOnMesh {
  public:
-  ConvexOnMesh(const Side& side, const PlacedCore& body, std::span<const std::uint32_t> triangles,
-               std::vector<MeshPoint>& out, ContactSink& sink)
-      : side_(side), b_(body), mesh_(*body.mesh), triangles_(triangles), out_(out), sink_(sink) {}
-
-  void collide() {
-    if (!find_near()) return;
-    const std::uint32_t first = triangles_.front();
-    if (all_plain(mesh_, triangles_))
-      return on_face(first, normal_towards(mesh_, first, b_.pose.position), {}, Face::plain);
-    find_sides(mesh_, triangles_, b_.pose.position, fronts_);
-    spoken_.assign(triangles_.size(), false);
-    solved_.clear();
-    solved_triangles_.clear();
-    for (const std::uint32_t t : near_) {
-      if (spoken_[place_of(triangles_, t)]) continue;
-      gather_region(b_, triangles_, t, sees_front(t), region_);
-      for (const std::uint32_t member : region_.triangles) spoken_[place_of(triangles_, member)] = true;
-      solve();
-    }
+  void collide(const MeshGuest& guest, const TriangleMesh& mesh, std::span<const std::uint32_t> triangles,
+               const PairQuery& q, ContactSink& sink) {
+    guest_ = &guest;
+    mesh_ = &mesh;
+    sink_ = &sink;
+    const Pose pose{q.b.to_local(q.a.position), q.b.orientation.conjugate() * q.a.orientation};
+    const double size = guest.core.radius;
+    b_ = {guest.core, guest.sweep, pose, pose.orientation.toRotationMatrix(), q.reach, on_surface * size, &mesh};
+    out_.clear();
+    if (!find_near(triangles)) return;
+    if (all_plain(mesh, triangles_))
+      on_face(triangles_.front(), normal_towards(mesh, triangles_.front(), pose.position), Face::plain);
+    else
+      meet_regions();
+    reduce(out_, size, !(q.reach > 0.0));
+    emit(out_, pose.position, guest.radius, q, sink);
   }
 
  private:
-  /// A region with contacts.
-  struct Solved {
-    WayOut way;
-    std::ptrdiff_t begin, end;  ///< of its triangles
-  };
-
   /// Finds the triangles that the body is near to, of a plane the first one, and takes them in place of the candidates;
   /// with their neighbours where the surface bends: the way out may lean on a face beyond a blunt edge. False: none is.
-  bool find_near() {
-    const bool plain = all_plain(mesh_, triangles_);
+  bool find_near(std::span<const std::uint32_t> candidates) {
+    const bool plain = all_plain(*mesh_, candidates);
     near_.clear();
-    for (const std::uint32_t t : triangles_) {
+    for (const std::uint32_t t : candidates) {
       if (!is_near(b_, t)) continue;
       near_.push_back(t);
       if (plain) break;
     }
-    around_ = near_;
-    if (!all_plain(mesh_, near_)) {
-      for (const std::uint32_t t : near_)
-        for (std::size_t side = 0; side < 3; ++side)
-          if (mesh_.edge_kinds[t][side] != EdgeKind::open) around_.push_back(mesh_.neighbours[t][side]);
-      std::sort(around_.begin(), around_.end());
-      around_.erase(std::unique(around_.begin(), around_.end()), around_.end());
-    }
-    triangles_ = around_;
-    return !near_.empty();
+    triangles_ = near_;
+    if (all_plain(*mesh_, near_)) return !near_.empty();
+    for (const std::uint32_t t : near_)
+      for (std::size_t side = 0; side < 3; ++side)
+        if (mesh_->edge_kinds[t][side] != EdgeKind::open) triangles_.push_back(mesh_->neighbours[t][side]);
+    std::ranges::sort(triangles_);
+    triangles_.erase(std::unique(triangles_.begin(), triangles_.end()), triangles_.end());
+    return true;
   }
-  bool sees_front(std::uint32_t t) const { return fronts_[place_of(triangles_, t)]; }
-  Vec3 normal_of(std::uint32_t t) const { return sees_front(t) ? mesh_.normals[t] : Vec3(-mesh_.normals[t]); }
 
-  /// The way out of the region; on a face where its plane is as good, within the tolerance.
-  void solve() {
+  void meet_regions() {
+    find_sides(*mesh_, triangles_, b_.pose.position, fronts_);
+    region_of_.assign(triangles_.size(), none);
+    solved_.clear();
+    for (const std::uint32_t t : near_) {
+      if (region_of_[place_of(triangles_, t)] != none) continue;
+      gather_region(b_, triangles_, t, fronts_[place_of(triangles_, t)], region_);
+      for (const std::uint32_t member : region_.triangles)
+        if (std::size_t& known = region_of_[place_of(triangles_, member)]; known == none) known = solved_.size();
+      solved_.push_back({infinity, Vec3::Zero(), Vec3::Zero(), 0.0});
+      solve(solved_.back());
+    }
+  }
+
+  /// The way out of the region; on a face where its plane is as good, within the tolerance. solved: what has contacts.
+  void solve(WayOut& solved) {
     WayOut way = find_way_out(b_, region_);
-    if (way.uncertainty > narrow_enough * std::max(b_.core.radius, region_.radius)) sink_.mark_degenerate();
+    if (way.uncertainty > narrow_enough * std::max(b_.core.radius, region_.radius)) sink_->mark_degenerate();
     if (!(way.gap - b_.sweep < b_.reach) || !is_on_surface(way.on_mesh)) return;
     const RegionPlane& best = best_plane();
     // a plane within 1e-5 rad of the way out is meant
@@ -229,243 +120,217 @@ class ConvexOnMesh {
     const double slack = along ? b_.tolerance : 1e-3 * b_.tolerance + 1e-12 * region_.radius;
     const std::size_t before = out_.size();
     const bool bent = best.gap < way.gap - slack;
-    bool leans = bent;
-    if (bent)
-      side_.at_edge(b_, region_, way, [&](const Vec3& x, double gap, std::uint32_t t, std::uint32_t name) {
-        out_.push_back({x, way.normal, std::max(gap, way.gap - b_.sweep), mesh_feature(t, name)});
-        leans = leans && leans_on_others(way, x - 0.5 * gap * way.normal);
-      });
-    if (leans) leans = leans_on_others(way, way.on_mesh);
+    const bool leans = bent && !on_edge(way) && leans_on_others(way, way.on_mesh);
     if (!bent || leans) {
       out_.resize(before);
-      on_face(best.triangle, best.normal, region_.triangles, leans ? Face::leaning : Face::bent);
+      on_face(best.triangle, best.normal, leans ? Face::leaning : Face::bent);
       way = {best.gap, best.normal, way.on_mesh, 0.0};
     } else if (is_known(way)) {
       return out_.resize(before);
     }
     if (!leans) hold_deepest(way, before);
-    if (out_.size() == before) return;
-    const auto begin = static_cast<std::ptrdiff_t>(solved_triangles_.size());
-    solved_triangles_.insert(solved_triangles_.end(), region_.triangles.begin(), region_.triangles.end());
-    solved_.push_back({way, begin, static_cast<std::ptrdiff_t>(solved_triangles_.size())});
+    if (out_.size() > before) solved = way;
+  }
+
+  /// The points of an edge or corner of the region, along the way out. False: all lean on others.
+  bool on_edge(const WayOut& way) {
+    const Mat3 to_body = b_.turn.transpose();
+    const Vec3 n = -(to_body * way.normal);
+    const double gap = way.gap - b_.sweep;
+    std::uint32_t owner = region_.first;
+    corners_.clear();
+    for (const std::uint32_t t : region_.triangles)
+      for (const Vec3& c : mesh_->corners(t)) {
+        if (!(way.normal.dot(c - way.on_mesh) > -b_.tolerance)) continue;
+        if (corners_.empty()) owner = t;
+        corners_.push_back({to_body * (c - b_.pose.position), 0, 0});
+      }
+    FlatSide edge;
+    if (!corners_.empty()) {
+      const auto farthest_from = [&](const Vec3& x) {
+        return std::ranges::max_element(corners_, {}, [&](const SidePoint& p) { return (p.x - x).squaredNorm(); })->x;
+      };
+      edge.corner[0] = farthest_from(corners_.front().x);
+      edge.corner[1] = farthest_from(edge.corner[0]);
+      edge.count = (edge.corner[1] - edge.corner[0]).norm() > b_.tolerance ? 2 : 0;
+    }
+    bool stands = false;
+    const Patch patch = patch_on(edge, {to_body * (way.on_mesh - b_.pose.position) - 0.5 * gap * n, n, gap});
+    for (int k = 0; k < patch.count; ++k) {
+      const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
+      const Vec3 x = b_.pose.position + b_.turn * p.position;
+      out_.push_back({x, way.normal, std::max(p.gap, gap), mesh_feature(owner, local_name(p.feature))});
+      stands = stands || !leans_on_others(way, x - 0.5 * p.gap * way.normal);
+    }
+    return stands;
+  }
+  /// The side that the body turns to an edge, both in its axes.
+  Patch patch_on(const FlatSide& edge, const NearestPoint& nearest) const {
+    const auto itself = [](const void* e, const Vec3&) { return *static_cast<const FlatSide*>(e); };
+    const double size = b_.core.radius;
+    if (guest_->polyhedron)
+      return core_patch({*guest_->polyhedron, Mat3::Identity(), Vec3::Zero(), &edge, itself, size}, nearest, b_.reach,
+                        b_.sweep, 0.0);
+    const FlatSide own = guest_->facing ? guest_->facing(guest_->shape, nearest.normal) : FlatSide{};
+    return flat_patch({own, edge, size, b_.sweep, 0.0}, nearest, b_.reach);
   }
 
   /// Where the deepest point of the body hangs over a rim, or lies between the corners of a round end, the region's own
-  /// point next to it holds it.
+  /// point next to it holds it; not where another triangle stands between that and the body, as the near side of a
+  /// plate thinner than the overlap.
   void hold_deepest(const WayOut& way, std::size_t before) {
     const double gap = way.gap - b_.sweep;
     const auto holds = [&](const MeshPoint& p) { return p.gap <= gap + b_.tolerance; };
     if (std::any_of(out_.begin() + static_cast<std::ptrdiff_t>(before), out_.end(), holds)) return;
     NearestOnTriangle nearest{Vec3::Zero(), infinity, TrianglePart::face};
     for (const std::uint32_t t : region_.triangles) {
-      const NearestOnTriangle here = nearest_on_triangle(way.on_mesh, mesh_.corners(t));
+      const NearestOnTriangle here = nearest_on_triangle(way.on_mesh, mesh_->corners(t));
       if (here.distance < nearest.distance) nearest = here;
     }
-    if (is_hidden(nearest.point, way.normal)) return;
-    out_.push_back({nearest.point + 0.5 * gap * way.normal, way.normal, gap,
-                    mesh_feature(region_.first, local_name(FeatureKind::single, region_.front, 0))});
-  }
-
-  /// Another triangle stands between the point and the body: the far side of a plate thinner than the overlap.
-  bool is_hidden(const Vec3& point, const Vec3& n) const {
-    const Vec3 way = n * n.dot(b_.pose.position - point);
-    for (const std::uint32_t t : triangles_) {
-      const Vec3& on_plane = mesh_.vertices[mesh_.triangles[t][0]];
-      const double h0 = mesh_.normals[t].dot(point - on_plane), h1 = mesh_.normals[t].dot(point + way - on_plane);
-      if (!(h0 * h1 < 0.0) || std::abs(h0) <= b_.tolerance) continue;
-      if (over_triangle(mesh_, t, point + h0 / (h0 - h1) * way).beyond <= b_.tolerance) return true;
-    }
-    return false;
+    const Vec3 above = nearest.point + way.normal * way.normal.dot(b_.pose.position - nearest.point);
+    const auto hides = [&](std::uint32_t t) { return stands_between(*mesh_, t, above, nearest.point, b_.tolerance); };
+    if (std::ranges::any_of(triangles_, hides)) return;
+    const std::uint32_t name = local_name(make_feature(FeatureKind::single, 0, region_.front));
+    out_.push_back({nearest.point + 0.5 * gap * way.normal, way.normal, gap, mesh_feature(region_.first, name)});
   }
 
   /// Walls around a notch, seen from behind, bend away from each other, but nothing is between them.
   bool is_on_surface(const Vec3& x) const {
-    return std::any_of(triangles_.begin(), triangles_.end(),
-                       [&](std::uint32_t t) { return lies_on(mesh_, t, x, 10.0 * b_.tolerance); });
+    return std::ranges::any_of(triangles_, [&](std::uint32_t t) { return lies_on(*mesh_, t, x, 10.0 * b_.tolerance); });
   }
   const RegionPlane& best_plane() {
     for (RegionPlane& p : region_.planes) p.gap = p.normal.dot(b_.tip(-p.normal) - p.point);
-    return *std::max_element(region_.planes.begin(), region_.planes.end(),
-                             [](const RegionPlane& a, const RegionPlane& b) { return a.gap < b.gap; });
+    return *std::ranges::max_element(region_.planes, {}, &RegionPlane::gap);
   }
   /// A triangle at x that is not of the region reaches out along the way, and the body would go into it or along the
   /// surface: a concave or an inner edge.
   bool leans_on_others(const WayOut& way, const Vec3& x) const {
-    const auto& own = region_.triangles;
-    for (const std::uint32_t t : triangles_) {
-      if (std::binary_search(own.begin(), own.end(), t) || !lies_on(mesh_, t, x, 10.0 * b_.tolerance)) continue;
-      const Vec3 n = normal_of(t);
-      const auto goes_on = [&](const RegionPlane& p) {
-        return n.dot(p.normal) > 0.5 && std::abs(p.normal.dot(x - p.point)) <= b_.tolerance;
-      };
-      const auto& planes = region_.planes;
-      if (n.dot(way.normal) > -0.01 && std::none_of(planes.begin(), planes.end(), goes_on)) continue;
-      for (const Vec3& c : mesh_.corners(t)) {
-        const Vec3 w = c - x;  // flat within 1e-6 rad is not reaching out
-        if (way.normal.dot(w) > 1e-3 * b_.tolerance + 1e-6 * w.norm()) return true;
-      }
-    }
-    return false;
+    const auto reaches_out = [&](const Vec3& c) {  // flat within 1e-6 rad is not reaching out
+      return way.normal.dot(c - x) > 1e-3 * b_.tolerance + 1e-6 * (c - x).norm();
+    };
+    return std::ranges::any_of(triangles_, [&](std::uint32_t t) {
+      return !std::ranges::binary_search(region_.triangles, t) && lies_on(*mesh_, t, x, 10.0 * b_.tolerance) &&
+             std::ranges::any_of(mesh_->corners(t), reaches_out);
+    });
   }
   /// The point belongs to a region that is as deep there.
   bool is_known(const WayOut& way) const {
-    return std::any_of(solved_.begin(), solved_.end(), [&](const Solved& s) {
-      const auto first = solved_triangles_.begin();
-      return s.way.gap <= way.gap + b_.tolerance && s.way.normal.dot(way.normal) > same_edge_cosine &&
-             std::any_of(first + s.begin, first + s.end,
-                         [&](std::uint32_t t) { return lies_on(mesh_, t, way.on_mesh, b_.tolerance); });
-    });
+    for (std::size_t k = 0; k < triangles_.size(); ++k) {
+      if (region_of_[k] == none || !lies_on(*mesh_, triangles_[k], way.on_mesh, b_.tolerance)) continue;
+      const WayOut& known = solved_[region_of_[k]];
+      if (known.gap <= way.gap + b_.tolerance && known.normal.dot(way.normal) > same_edge_cosine) return true;
+    }
+    return false;
   }
 
   /// Whether the body sees a plane; a face whose region lets it out sooner, but onto others, or a face with edges.
   enum class Face { plain, leaning, bent };
-  /// The points on the plane of t, towards n: those over its face.
-  void on_face(std::uint32_t t, const Vec3& n, const std::vector<std::uint32_t>& members, Face kind) {
-    const Vec3 point = mesh_.vertices[mesh_.triangles[t][0]];
+  /// The points on the plane of t, towards n: those of the closed form if all of them are over its face. Else the
+  /// corners that are, and where a side of the body is cut at its rim.
+  void on_face(std::uint32_t t, const Vec3& n, Face kind) {
+    const Vec3& point = mesh_->vertices[mesh_->triangles[t][0]];
     const std::size_t before = out_.size();
-    if (kind == Face::plain) {
-      side_.on_plane(b_, n, point, [&](const Vec3& x, double gap, std::uint32_t name) {
-        out_.push_back({x, n, gap, mesh_feature(mesh_.face[t], name)});
-      });
-      return;
+    on_plane_.clear();
+    ContactSink sink(on_plane_);
+    guest_->on_plane(guest_->shape, HalfSpace{n}, {b_.pose, {point, Quat(1, 0, 0, 0)}, b_.reach, false, nullptr}, sink);
+    for (std::size_t k = 0; k < on_plane_.size(); ++k) {
+      const Vec3 x = b_.pose.position + on_plane_.arm[k];
+      if (kind == Face::plain || (is_over(t, x) && came_through(t, n, x + (0.5 * on_plane_.gap[k]) * n)))
+        out_.push_back({x, n, on_plane_.gap[k], mesh_feature(mesh_->face[t], local_name(on_plane_.feature[k]))});
     }
-    if constexpr (std::is_same_v<Side, CoreSide>) {
-      bool all = true;
-      side_.on_plane(b_, n, point, [&](const Vec3& x, double gap, std::uint32_t name) {
-        if (is_over(members, t, x) && came_through(t, n, x + (0.5 * gap) * n))
-          out_.push_back({x, n, gap, mesh_feature(mesh_.face[t], name)});
-        else
-          all = false;
-      });
-      if (all) return;
-      const Vec3 tip = b_.tip(-n);
-      side_points(n);
-      if (side_points_.size() < 2) return;
-      out_.resize(before);
-      if (is_over(members, t, tip) && came_through(t, n, tip)) add(t, n, point, {tip, 0x3ffffu, 0}, 0);
-    }
-    if constexpr (std::is_same_v<Side, PolyhedronSide>)
-      side_.corners_towards(b_, n, [&](const SidePoint& p) {
-        if (is_over(members, t, p.x) && came_through(t, n, p.x)) add(t, n, point, p, 0);
-      });
-    for (const std::uint32_t member : members) {
-      if (mesh_.face[member] != mesh_.face[t]) continue;
-      side_points(n);
-      const Triangle& corner = mesh_.triangles[member];
-      clip_side([&](std::uint32_t k) -> const Vec3& { return mesh_.vertices[corner[k]]; }, 3, mesh_.normals[member],
-                b_.tolerance, side_points_);
-      for (const SidePoint& p : side_points_) {
-        if (std::is_same_v<Side, PolyhedronSide> && p.cut == 0) continue;  // a corner of the body
-        const Cut cut = p.cut == 0 ? Cut::none : cut_at(member, region_.front, p.x);
+    if (out_.size() == before + on_plane_.size()) return;
+    place(side_along, n, side_);
+    if (side_.size() < 2) return;
+    out_.resize(before);
+    place(corners_along, n, corners_);
+    for (const SidePoint& p : corners_)
+      if (is_over(t, p.x) && came_through(t, n, p.x)) add(t, n, point, p);
+    for (const std::uint32_t member : region_.triangles) {
+      if (mesh_->face[member] != mesh_->face[t]) continue;
+      corners_ = side_;
+      const Triangle& corner = mesh_->triangles[member];
+      clip_side([&](std::uint32_t k) -> const Vec3& { return mesh_->vertices[corner[k]]; }, 3, mesh_->normals[member],
+                b_.tolerance, corners_);
+      for (const SidePoint& p : corners_) {
+        const Cut cut = p.cut == 0 ? Cut::inside : cut_at(member, p.x);
         if (cut == Cut::inside) continue;
-        if ((cut == Cut::rim && kind == Face::bent) || came_through(member, n, p.x)) add(member, n, point, p, p.cut);
+        if ((cut == Cut::rim && kind == Face::bent) || came_through(member, n, p.x)) add(member, n, point, p);
       }
     }
   }
   /// Where a side of the body was cut: inside the face (no corner of what they share), at its rim, at a concave edge.
-  enum class Cut { none, inside, rim, concave };
-  Cut cut_at(std::uint32_t t, bool front, const Vec3& x) const {
+  enum class Cut { inside, rim, concave };
+  Cut cut_at(std::uint32_t t, const Vec3& x) const {
     Cut cut = Cut::inside;
-    const auto corner = mesh_.corners(t);
+    const auto corner = mesh_->corners(t);
     for (std::size_t k = 0; k < 3; ++k) {
-      const EdgeKind kind = mesh_.edge_kinds[t][k];
-      if (kind == EdgeKind::flat || std::abs(mesh_.inward[t][k].dot(x - corner[k])) > 2.0 * b_.tolerance) continue;
-      if (kind != (front ? EdgeKind::concave : EdgeKind::convex)) return Cut::rim;
+      const EdgeKind kind = mesh_->edge_kinds[t][k];
+      if (kind == EdgeKind::flat || std::abs(mesh_->inward[t][k].dot(x - corner[k])) > 2.0 * b_.tolerance) continue;
+      if (kind != (region_.front ? EdgeKind::concave : EdgeKind::convex)) return Cut::rim;
       cut = Cut::concave;
     }
     return cut;
   }
-  void side_points(const Vec3& n) {
-    side_points_.clear();
-    side_.towards(b_.turn.transpose() * n, side_points_);
-    for (SidePoint& p : side_points_) p.x = b_.pose.position + b_.turn * p.x;
+  /// What the body turns against n, in the mesh's axes.
+  template <class Along>
+  void place(const Along& along, const Vec3& n, std::vector<SidePoint>& out) const {
+    out.clear();
+    along(*guest_, -(b_.turn.transpose() * n), out);
+    for (SidePoint& p : out) p.x = b_.pose.position + b_.turn * p.x;
   }
-  void add(std::uint32_t t, const Vec3& n, const Vec3& point, const SidePoint& p, std::uint32_t cut) {
+  void add(std::uint32_t t, const Vec3& n, const Vec3& point, const SidePoint& p) {
     const double gap = n.dot(p.x - point) - b_.sweep;
     if (!(gap < b_.reach)) return;
-    const std::uint32_t name = local_name(cut == 0 ? FeatureKind::vertex_a : FeatureKind::edges, p.corner, cut);
-    out_.push_back({p.x - (b_.sweep + 0.5 * gap) * n, n, gap, mesh_feature(cut == 0 ? mesh_.face[t] : t, name)});
+    const bool corner = p.cut == 0;
+    const Feature name = make_feature(corner ? FeatureKind::vertex_a : FeatureKind::edges, p.corner, 0);
+    out_.push_back(
+        {p.x - (b_.sweep + 0.5 * gap) * n, n, gap, mesh_feature(corner ? mesh_->face[t] : t, local_name(name, p.cut))});
   }
-  bool is_over(const std::vector<std::uint32_t>& members, std::uint32_t face, const Vec3& x) const {
-    return std::any_of(members.begin(), members.end(), [&](std::uint32_t t) {
-      return mesh_.face[t] == mesh_.face[face] && over_triangle(mesh_, t, x).beyond <= b_.tolerance;
+  bool is_over(std::uint32_t face, const Vec3& x) const {
+    return std::ranges::any_of(region_.triangles, [&](std::uint32_t t) {
+      return mesh_->face[t] == mesh_->face[face] && over_triangle(*mesh_, t, x).beyond <= b_.tolerance;
     });
   }
   /// Did the body come to x, behind the face of t, through that face and through no other before? Otherwise x belongs
   /// to the surface beyond an edge: a corner of a box on a table is behind the table's side as well.
   bool came_through(std::uint32_t face, const Vec3& n, const Vec3& x) const {
-    const Vec3& point = mesh_.vertices[mesh_.triangles[face][0]];
+    const Vec3& point = mesh_->vertices[mesh_->triangles[face][0]];
     const Vec3& centre = b_.pose.position;
     const double from = n.dot(centre - point), to = n.dot(x - point);
     if (!(to < -b_.tolerance)) return true;
-    const double when = from / (from - to);
-    const Vec3 gate = centre + when * (x - centre);
+    const Vec3 gate = centre + from / (from - to) * (x - centre);
     bool through = false;
     for (const std::uint32_t t : triangles_) {
-      if (mesh_.face[t] == mesh_.face[face]) {
-        through = through || over_triangle(mesh_, t, gate).beyond <= b_.tolerance;
-        continue;
-      }
-      const Vec3 on_plane = mesh_.vertices[mesh_.triangles[t][0]];
-      const double h0 = mesh_.normals[t].dot(centre - on_plane), h1 = mesh_.normals[t].dot(x - on_plane);
-      if (!(h0 * h1 < 0.0) || !(h0 / (h0 - h1) < when)) continue;
-      if (over_triangle(mesh_, t, centre + h0 / (h0 - h1) * (x - centre)).beyond <= 0.0) return false;
+      if (mesh_->face[t] == mesh_->face[face])
+        through = through || over_triangle(*mesh_, t, gate).beyond <= b_.tolerance;
+      else if (stands_between(*mesh_, t, centre, gate, b_.tolerance))
+        return false;
     }
     return through;
   }
 
-  struct Room {  // keeps its size: no allocation once the largest contact was seen
-    std::vector<std::uint32_t> near, around;
-    std::vector<unsigned char> spoken, fronts;
-    std::vector<Solved> solved;
-    std::vector<std::uint32_t> solved_triangles;
-    std::vector<SidePoint> side_points;
-    MeshRegion region;
-  };
-  static Room& room() {
-    static thread_local Room r;
-    return r;
-  }
-  const Side& side_;
-  const PlacedCore& b_;
-  const TriangleMesh& mesh_;
-  std::span<const std::uint32_t> triangles_;
-  std::vector<MeshPoint>& out_;
-  ContactSink& sink_;
-  std::vector<std::uint32_t>& near_ = room().near;
-  std::vector<std::uint32_t>& around_ = room().around;
-  std::vector<unsigned char>& spoken_ = room().spoken;  ///< by place: the triangle is in a region
-  std::vector<unsigned char>& fronts_ = room().fronts;  ///< by place: the body is on the front of the surface there
-  std::vector<Solved>& solved_ = room().solved;
-  std::vector<std::uint32_t>& solved_triangles_ = room().solved_triangles;
-  std::vector<SidePoint>& side_points_ = room().side_points;
-  MeshRegion& region_ = room().region;
+  static constexpr std::size_t none = std::size_t(-1);
+  const MeshGuest* guest_ = nullptr;
+  const TriangleMesh* mesh_ = nullptr;
+  ContactSink* sink_ = nullptr;
+  PlacedCore b_{};
+  // they keep their sizes: no allocation once the largest contact was seen
+  std::vector<std::uint32_t> near_, triangles_;
+  std::vector<unsigned char> fronts_;   ///< by place: the body is on the front of the surface there
+  std::vector<std::size_t> region_of_;  ///< by place: the first region that the triangle is in
+  std::vector<WayOut> solved_;          ///< by region
+  std::vector<SidePoint> side_, corners_;
+  std::vector<MeshPoint> out_;
+  ContactSet on_plane_;
+  MeshRegion region_;
 };
-
-template <class Side>
-void collide_all(const Side& side, double sweep, double radius, const TriangleMesh& mesh,
-                 std::span<const std::uint32_t> triangles, const PairQuery& q, ContactSink& sink) {
-  static thread_local std::vector<MeshPoint> points;  // keeps its size
-  points.clear();
-  const Pose pose{q.b.to_local(q.a.position), q.b.orientation.conjugate() * q.a.orientation};
-  const ConvexRef core = side.core();
-  const PlacedCore body{core, sweep, pose, pose.orientation.toRotationMatrix(), q.reach, on_surface * core.radius,
-                        &mesh};
-  ConvexOnMesh<Side>(side, body, triangles, points, sink).collide();
-  reduce(points, core.radius, !(q.reach > 0.0));
-  emit(points, pose.position, radius, q, sink);
-}
 
 }  // namespace
 
-void collide_polyhedron_triangles(const PolyhedronView& a, double sweep, double radius, const TriangleMesh& b,
-                                  std::span<const std::uint32_t> triangles, const PairQuery& q, ContactSink& sink) {
-  if (!triangles.empty()) collide_all(PolyhedronSide(a), sweep, radius, b, triangles, q, sink);
-}
-
-void collide_core_triangles(const CoreOnPlane& a, double sweep, double radius, const TriangleMesh& b,
-                            std::span<const std::uint32_t> triangles, const PairQuery& q, ContactSink& sink) {
-  if (!triangles.empty()) collide_all(CoreSide(a), sweep, radius, b, triangles, q, sink);
+void collide_guest(const MeshGuest& guest, const TriangleMesh& mesh, std::span<const std::uint32_t> triangles,
+                   const PairQuery& q, ContactSink& sink) {
+  static thread_local ConvexOnMesh pair;
+  pair.collide(guest, mesh, triangles, q, sink);
 }
 
 }  // namespace epafi

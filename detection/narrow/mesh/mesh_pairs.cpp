@@ -20,14 +20,6 @@ struct Touch {
   bool left_out = false;   ///< a nearer face of the same spot stands for it
 };
 
-/// The segment from a to b goes through the inside of the triangle.
-bool crosses(const TriangleMesh& mesh, std::uint32_t t, const Vec3& a, const Vec3& b) {
-  const auto corner = mesh.corners(t);
-  const double ha = mesh.normals[t].dot(a - corner[0]), hb = mesh.normals[t].dot(b - corner[0]);
-  if (!(ha * hb < 0.0)) return false;
-  return nearest_on_triangle(a + ha / (ha - hb) * (b - a), corner).part == TrianglePart::face;
-}
-
 /// A sphere of a body whose own centre may lie elsewhere (the end of a capsule).
 class SphereOnMesh {
  public:
@@ -51,7 +43,7 @@ class SphereOnMesh {
     for (const auto t : triangles_) {
       const auto [height, beyond] = over_triangle(mesh_, t, centre);
       const Vec3& front = mesh_.normals[t];
-      const bool through = &centre != &inside && crosses(mesh_, t, inside, centre);
+      const bool through = &centre != &inside && stands_between(mesh_, t, inside, centre, 0.0);
       if (through || (std::abs(height) < limit_ && beyond <= tolerance_)) {
         const double distance = through ? -std::abs(height) : std::abs(height);
         const Vec3 n = through ? normal_towards(mesh_, t, inside) : height < 0.0 ? Vec3(-front) : front;
@@ -122,15 +114,9 @@ class SphereOnMesh {
       const std::uint32_t other = touches_[j].triangle;
       if (lies_on(mesh_, other, touch.nearest.point, tolerance_)) return true;
       if (touches_[j].distance < 0.0 && mesh_.face[other] == mesh_.face[touch.triangle]) return true;
-      if (hides(other, inside, touch.nearest.point)) return true;
+      if (stands_between(mesh_, other, inside, touch.nearest.point, tolerance_)) return true;
     }
     return false;
-  }
-  /// The triangle stands between a and b, or its rim does.
-  bool hides(std::uint32_t t, const Vec3& a, const Vec3& b) const {
-    const OverTriangle from = over_triangle(mesh_, t, a), to = over_triangle(mesh_, t, b);
-    if (!(from.height * to.height < 0.0) || std::abs(to.height) <= tolerance_) return false;
-    return over_triangle(mesh_, t, a + from.height / (from.height - to.height) * (b - a)).beyond <= tolerance_;
   }
   /// A contact on a face is named by it, an edge or vertex by the lowest triangle that holds the point.
   Feature name(std::size_t i, std::uint32_t local) const {

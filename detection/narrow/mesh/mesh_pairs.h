@@ -25,37 +25,29 @@ void collide_triangles(const Sphere& a, const TriangleMesh& b, std::span<const s
 void collide_triangles(const Capsule& a, const TriangleMesh& b, std::span<const std::uint32_t> triangles,
                        const PairQuery& q, ContactSink& sink);
 
-/// Against the convex regions of the surface (mesh_region.h).
-void collide_polyhedron_triangles(const PolyhedronView& a, double sweep, double radius, const TriangleMesh& b,
-                                  std::span<const std::uint32_t> triangles, const PairQuery& q, ContactSink& sink);
-
-/// A convex core, and what it does on a plane.
-struct CoreOnPlane {
+/// A convex body behind pointers, against the convex regions of the surface (mesh_region.h).
+struct MeshGuest {
   ConvexRef core;
+  double sweep, radius;  ///< of the sphere swept over the core, and that of its contacts [m]
   const void* shape;
-  void (*collide)(const void* shape, const HalfSpace& plane, const PairQuery& q, ContactSink& sink);
-  FlatSide (*facing)(const void* shape, const Vec3& d) = nullptr;  ///< null where it has no flat sides
+  void (*on_plane)(const void* shape, const HalfSpace& plane, const PairQuery& q, ContactSink& sink);
+  FlatSide (*facing)(const void* shape, const Vec3& d) = nullptr;  ///< null where it has no flat sides, or faces
+  const PolyhedronView* polyhedron = nullptr;                      ///< null where it is none
 };
-/// GJK and EPA against convex regions; where the normal is that of a face, the closed form against its plane.
-void collide_core_triangles(const CoreOnPlane& a, double sweep, double radius, const TriangleMesh& b,
-                            std::span<const std::uint32_t> triangles, const PairQuery& q, ContactSink& sink);
-
-template <PolyhedralShape S>
-void collide_triangles(const S& a, const TriangleMesh& b, std::span<const std::uint32_t> triangles, const PairQuery& q,
-                       ContactSink& sink) {
-  collide_polyhedron_triangles(a.view(), a.rounding(), contact_radius(a), b, triangles, q, sink);
-}
+void collide_guest(const MeshGuest& a, const TriangleMesh& b, std::span<const std::uint32_t> triangles,
+                   const PairQuery& q, ContactSink& sink);
 
 template <ConvexShape S>
-requires(!PolyhedralShape<S>) void collide_triangles(const S& a, const TriangleMesh& b,
-                                                     std::span<const std::uint32_t> triangles, const PairQuery& q,
-                                                     ContactSink& sink) {
+void collide_triangles(const S& a, const TriangleMesh& b, std::span<const std::uint32_t> triangles, const PairQuery& q,
+                       ContactSink& sink) {
   const auto on_plane = [](const void* shape, const HalfSpace& plane, const PairQuery& query, ContactSink& out) {
     collide_closed(*static_cast<const S*>(shape), plane, query, out);
   };
-  CoreOnPlane core{ConvexRef::to(a), &a, on_plane};
-  if constexpr (HasFlatSides<S>) core.facing = facing_of<S>;
-  collide_core_triangles(core, a.rounding(), contact_radius(a), b, triangles, q, sink);
+  MeshGuest guest{ConvexRef::to(a), a.rounding(), contact_radius(a), &a, on_plane};
+  PolyhedronView view;
+  if constexpr (PolyhedralShape<S>) guest.polyhedron = &(view = a.view());
+  if constexpr (HasFlatSides<S>) guest.facing = facing_of<S>;
+  collide_guest(guest, b, triangles, q, sink);
 }
 
 }  // namespace epafi

@@ -5,7 +5,7 @@
 
 #include "detection/narrow/gjk/epa.h"
 #include "detection/narrow/gjk/gjk.h"
-#include "detection/narrow/mesh/triangle_solid.h"
+#include "detection/narrow/mesh/triangle_core.h"
 
 namespace epafi {
 namespace {
@@ -31,8 +31,9 @@ class Gathering {
     const auto corner = mesh_.corners(t);
     const RegionPlane plane{region_.front ? mesh_.normals[t] : Vec3(-mesh_.normals[t]), corner[0], t};
     const bool is_first = region_.triangles.empty();
-    if (!is_first && !bends_away(plane, corner)) return;
-    if (!region_.notches.empty() && !keeps_notches_out(corner) && !is_first) return;
+    const auto holds = [&](const FaceNotch& n) { return !keeps_out(n, corner); };
+    if (is_first) std::erase_if(region_.notches, holds);
+    if (!bends_away(plane, corner) || std::ranges::any_of(region_.notches, holds)) return;
     region_.triangles.push_back(t);
     const auto same = [&](const RegionPlane& p) { return mesh_.face[p.triangle] == mesh_.face[t]; };
     if (std::none_of(region_.planes.begin(), region_.planes.end(), same)) region_.planes.push_back(plane);
@@ -47,10 +48,9 @@ class Gathering {
  private:
   void find_notches(std::uint32_t t) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const RegionNotch notch{mesh_.face[t], mesh_.triangles[t][k]};
-      const auto same = [&](const RegionNotch& n) { return n.face == notch.face && n.vertex == notch.vertex; };
-      if ((mesh_.around[t].notches >> k & 1) == 0) continue;
-      if (std::none_of(region_.notches.begin(), region_.notches.end(), same)) region_.notches.push_back(notch);
+      const FaceNotch notch{mesh_.face[t], mesh_.triangles[t][k]};
+      if ((mesh_.around[t].notches >> k & 1) != 0 && std::ranges::count(region_.notches, notch) == 0)
+        region_.notches.push_back(notch);
     }
   }
   bool is_above(const Vec3& normal, const Vec3& point, const Vec3& x) const {
@@ -65,41 +65,32 @@ class Gathering {
     return std::none_of(region_.corners.begin(), region_.corners.end(),
                         [&](const Vec3& c) { return is_above(plane.normal, plane.point, body_.pose.position + c); });
   }
-  /// The convex outline of what is gathered in the plane of a face holds no notch of the face. A connected part of a
-  /// face whose outline reaches out of the face goes around a notch.
-  bool keeps_notches_out(const std::array<Vec3, 3>& corner) {
-    wider_ = region_.notches;
-    for (RegionNotch& n : wider_)
-      for (const Vec3& c : corner)
-        if (!widen(n, c)) return false;
-    region_.notches.swap(wider_);
-    return true;
-  }
-  /// False where the cone would be wider than half a turn.
-  bool widen(RegionNotch& n, const Vec3& x) const {
-    const Vec3& normal = mesh_.normals[n.face];
-    const Vec3 d = x - mesh_.vertices[n.vertex];
-    const double length = d.norm();
-    if (length <= body_.tolerance || std::abs(normal.dot(d)) > body_.tolerance) return true;
-    const auto is_left = [&](const Vec3& a, const Vec3& b) {  // b of a, or along it
-      return normal.dot(a.cross(b)) >= -body_.tolerance * std::max(length, a.norm());
+  /// The convex outline of what is gathered in the plane of the face, the corners of one more triangle among it, does
+  /// not hold the notch: seen from there, all of it is within half a turn. (A connected part of a face whose outline
+  /// reaches out of the face goes around a notch.)
+  bool keeps_out(const FaceNotch& notch, const std::array<Vec3, 3>& corner) const {
+    const Vec3 &normal = mesh_.normals[notch.face], at = mesh_.vertices[notch.vertex];
+    Vec3 right = Vec3::Zero(), left = Vec3::Zero();  // the outermost corners
+    const auto is_within = [&](const Vec3& d) {
+      const double length = d.norm();
+      if (length <= body_.tolerance || std::abs(normal.dot(d)) > body_.tolerance) return true;
+      const auto is_left = [&](const Vec3& a, const Vec3& b) {  // b of a, or along it
+        return normal.dot(a.cross(b)) >= -body_.tolerance * std::max(length, a.norm());
+      };
+      if (right.squaredNorm() == 0.0) right = left = d;
+      const bool from_right = is_left(right, d), from_left = is_left(d, left);
+      if (!from_right) right = d;
+      if (!from_left) left = d;
+      return from_right || from_left;
     };
-    if (n.right.squaredNorm() == 0.0) n.right = n.left = d;
-    const bool from_right = is_left(n.right, d), from_left = is_left(d, n.left);
-    if (!from_right && !from_left) return false;
-    if (!from_right) n.right = d;
-    if (!from_left) n.left = d;
-    return true;
+    const auto is_gathered_within = [&](const Vec3& c) { return is_within(body_.pose.position + c - at); };
+    return std::ranges::all_of(region_.corners, is_gathered_within) &&
+           std::ranges::all_of(corner, [&](const Vec3& c) { return is_within(c - at); });
   }
 
   const PlacedCore& body_;
   const TriangleMesh& mesh_;
   MeshRegion& region_;
-  std::vector<RegionNotch>& wider_ = room();
-  static std::vector<RegionNotch>& room() {
-    static thread_local std::vector<RegionNotch> notches;  // keeps its size
-    return notches;
-  }
 };
 
 /// Which side of a surface a point sees, by the place of the surface nearest to it, there by the normals weighted with
@@ -201,33 +192,17 @@ WayOut find_way_out(const PlacedCore& body, const MeshRegion& region) {
   return {-p.upper, -(body.turn * p.normal), to_mesh(p.witness_b), p.upper - p.lower};
 }
 
-bool is_out_of_reach(const PlacedCore& body, std::uint32_t t) {
-  const TriangleMesh& mesh = *body.mesh;
-  const double limit = body.reach + body.sweep;
-  const Vec3& centre = body.pose.position;
-  const OverTriangle at = over_triangle(mesh, t, centre);
-  const double near = body.core.radius + limit;
-  const double apart = limit + 4e-12 * (near + std::abs(at.height) + std::abs(at.beyond));
-  if (at.least_square() > near * near * (1.0 + 1e-12)) return true;
-  const auto corner = mesh.corners(t);
-  const Vec3 n = at.height < 0.0 ? Vec3(-mesh.normals[t]) : mesh.normals[t];
-  if (n.dot(body.tip(-n) - corner[0]) > apart) return true;
-  if (!(at.beyond > 0.0)) return false;
-  const auto beyond = [&](std::size_t k) { return -mesh.inward[t][k].dot(centre - corner[k]); };
-  std::size_t side = 0;
-  for (std::size_t k = 1; k < 3; ++k)
-    if (beyond(k) > beyond(side)) side = k;
-  const Vec3& inward = mesh.inward[t][side];
-  return -inward.dot(body.tip(inward) - corner[side]) > apart;
-}
-
 bool is_near(const PlacedCore& body, std::uint32_t t) {
-  if (is_out_of_reach(body, t)) return false;
-  const TriangleSolid solid(body.mesh->corners(t), body.mesh->normals[t]);
+  const auto corner = body.mesh->corners(t);
+  const double limit = body.reach + body.sweep;
+  const NearestOnTriangle near = nearest_on_triangle(body.pose.position, corner);
+  if (near.distance > (body.core.radius + limit) * (1.0 + 1e-12)) return false;
+  const TriangleCore triangle(corner);
   const Mat3 to_body = body.turn.transpose();
-  const MinkowskiDifference difference(body.core, ConvexRef::to(solid), to_body,
-                                       to_body * (solid.centre() - body.pose.position));
-  return gjk(difference, {body.reach + body.sweep, 1e-6, Vec3::Zero()}).status != GjkResult::Status::beyond;
+  const MinkowskiDifference difference(body.core, ConvexRef::to(triangle), to_body,
+                                       to_body * (triangle.centre - body.pose.position));
+  const Vec3 way = to_body * (near.point - body.pose.position);
+  return gjk(difference, {limit, 1e-6, way}).status != GjkResult::Status::beyond;
 }
 
 }  // namespace epafi

@@ -27,11 +27,10 @@ struct RegionPlane {
   double gap = 0.0;        ///< of a core along the normal [m]
 };
 
-/// A corner where the outline of a face turns inwards, and the cone, seen from it, of what was gathered in
-/// its plane.
-struct RegionNotch {
+/// A corner where the outline of a face turns inwards.
+struct FaceNotch {
   std::uint32_t face, vertex;
-  Vec3 right = Vec3::Zero(), left = Vec3::Zero();  ///< to the outermost corners, less than half a turn apart [m]
+  bool operator==(const FaceNotch&) const = default;
 };
 
 struct MeshRegion {
@@ -39,9 +38,9 @@ struct MeshRegion {
   std::uint32_t first = 0;               ///< the triangle it was gathered around
   std::vector<std::uint32_t> triangles;  ///< ascending
   std::vector<RegionPlane> planes;
-  std::vector<RegionNotch> notches;  ///< of all candidates
-  std::vector<Vec3> corners;         ///< relative to the body's centre, mesh axes [m]
-  double radius = 0.0;               ///< of the sphere about the body's centre that contains it [m]
+  std::vector<FaceNotch> notches;  ///< of all candidates
+  std::vector<Vec3> corners;       ///< relative to the body's centre, mesh axes [m]
+  double radius = 0.0;             ///< of the sphere about the body's centre that contains it [m]
 
   Vec3 support(const Vec3& d) const;
 };
@@ -58,11 +57,6 @@ struct WayOut {
   double uncertainty = 0.0;
 };
 WayOut find_way_out(const PlacedCore& body, const MeshRegion& region);
-
-/// The body is farther than its reach from the triangle, as its sphere, the triangle's normal or the direction across
-/// its nearest side tells, by more than rounding: a search would find no contact. 30 stones of parts in a hopper ask
-/// 2600 triangles a step: 1040 are near by the sphere, 100 by all three.
-bool is_out_of_reach(const PlacedCore& body, std::uint32_t t);
 
 /// The body is within its reach of the triangle, by the distance of both. Lists of candidates hold all such triangles
 /// and, as old as they are, some others: what is found among these alone does not depend on the age of a list.

@@ -10,14 +10,6 @@ namespace {
 
 constexpr std::size_t round_end = 8;  // corners of a cylinder's end
 
-std::uint32_t face_along(const PolyhedronView& p, const Vec3& n) {
-  const std::uint32_t v = ConvexHull::support_vertex(p, n);
-  std::uint32_t best = p.fans[p.fan_begin[v]];
-  for (std::uint32_t k = p.fan_begin[v] + 1; k < p.fan_begin[v + 1]; ++k)
-    if (p.face_normals[p.fans[k]].dot(n) > p.face_normals[best].dot(n)) best = p.fans[k];
-  return best;
-}
-
 /// As the shape says, and an end or side that leans by up to 26 degrees: soft bodies are deep with all of its points.
 FlatSide facing_side(const CoreAndPolyhedron& pair, const Vec3& direction) {
   FlatSide side = pair.facing(pair.shape, direction);
@@ -82,6 +74,14 @@ Patch on_edge(const CoreAndPolyhedron& pair, const NearestPoint& nearest, double
 }
 
 }  // namespace
+
+std::uint32_t face_along(const PolyhedronView& p, const Vec3& n) {
+  const std::uint32_t v = ConvexHull::support_vertex(p, n);
+  std::uint32_t best = p.fans[p.fan_begin[v]];
+  for (std::uint32_t k = p.fan_begin[v] + 1; k < p.fan_begin[v + 1]; ++k)
+    if (p.face_normals[p.fans[k]].dot(n) > p.face_normals[best].dot(n)) best = p.fans[k];
+  return best;
+}
 
 Patch core_patch(const CoreAndPolyhedron& pair, const NearestPoint& nearest, double reach, double sweep_polyhedron,
                  double sweep_core) {

@@ -17,6 +17,9 @@ struct CoreAndPolyhedron {
   double size;  ///< of the smaller body [m]
 };
 
+/// Of the faces around the vertex farthest along n the one that looks most along n.
+std::uint32_t face_along(const PolyhedronView& p, const Vec3& n);
+
 /// nearest: in the polyhedron's axes relative to its centre, the normal from the polyhedron to the core.
 /// Points with gap < reach along the common normal: the corners of the flat side over the face or along the edge and,
 /// where none of them is the nearest (a tilted disk, a round end), the nearest point. That alone where nothing flat or
