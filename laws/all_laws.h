@@ -1,5 +1,5 @@
 /// @file all_laws.h  The lists of smooth law parts: include the header, add the name. A normal law with an evaluation
-/// of its own also gets a file of three lines in laws/smooth/passes.
+/// of its own also gets a line in laws/smooth/passes/normal_laws.cpp.
 #pragma once
 #include "laws/smooth/adhesion.h"
 #include "laws/smooth/dashpot.h"

@@ -1,11 +1,15 @@
-/// @file factors.h  Factorisations of large matrices, compiled once: each takes two to five seconds in every file that
-/// instantiates it. A vector on the right side and a matrix of one column round differently.
+/// @file factors.h  Factorisations and products of large matrices, compiled once: each takes one to five seconds in
+/// every file that instantiates it. A vector on the right side and a matrix of one column round differently.
 #pragma once
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 #include <memory>
 
 namespace epafi {
+
+/// a b and a^T b.
+Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
+Eigen::MatrixXd transposed_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
 /// LU with partial pivoting.
 Eigen::VectorXd solve_lu(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);

@@ -46,20 +46,25 @@ struct SumAndLargest {
   double sum = 0.0, largest = 0.0;
 };
 
-/// total: of term(i) over [0, n).
 template <class Term>
-double value_of(const OrderFreeSum& total, std::size_t n, const Term& term) {
-  if (total.in_range()) return total.value();
+[[gnu::noinline, gnu::cold]] double exact_value(std::size_t n, const Term& term) {
   ExactSum exact;
   for (std::size_t i = 0; i < n; ++i) exact.add(term(i));
   return exact.value();
+}
+
+/// total: of term(i) over [0, n).
+template <class Term>
+double value_of(const OrderFreeSum& total, std::size_t n, const Term& term) {
+  return total.in_range() ? total.value() : exact_value(n, term);
 }
 
 /// Totals of `count` terms f(i) each, std::array<double, count>, over [0, n).
 template <std::size_t count, class F>
 std::array<OrderFreeSum, count> order_free_totals(std::size_t n, const F& f) {
   using Sums = std::array<OrderFreeSum, count>;
-  const auto sums_of = [&](std::size_t begin, std::size_t end, Sums& sums) {
+  const auto sums_of = [&](std::size_t begin, std::size_t end, Sums & sums)
+      __attribute__((noinline)) {  // compiled once
     double terms[count][sum_block];
     for (std::size_t i = begin; i < end; ++i) {
       const std::array<double, count> all = f(i);

@@ -151,19 +151,28 @@ class LoopRuns {
   WorkRanges runs_;
 };
 
+/// The body of a loop over blocks by its address: inlined into each way by which a thread comes to a block it was
+/// compiled four times.
+class BlockBody {
+ public:
+  template <class F>
+  explicit BlockBody(const F& f)
+      : f_(&f), call_([](const void* body, std::size_t begin, std::size_t end, std::size_t block) {
+          (*static_cast<const F*>(body))(begin, end, block);
+        }) {}
+  void operator()(std::size_t begin, std::size_t end, std::size_t block) const { call_(f_, begin, end, block); }
+
+ private:
+  const void* f_;
+  void (*call_)(const void*, std::size_t, std::size_t, std::size_t);
+};
+
+void run_blocks(std::size_t n, std::size_t size, const BlockBody& f);
+
 /// f(begin, end, block) for consecutive blocks of `size` indices covering [0, n), shared out in runs.
 template <class F>
 void parallel_blocks(std::size_t n, std::size_t size, const F& f) {
-  const std::size_t blocks = (n + size - 1) / size;
-  const auto one = [&](std::size_t b) { f(b * size, std::min(n, (b + 1) * size), b); };
-  const SharedOut meter(blocks > 1);
-  const std::size_t threads = blocks < 2 ? 1 : team_size();
-  if (threads == 1) {
-    for (std::size_t b = 0; b < blocks; ++b) one(b);
-    return;
-  }
-  const LoopRuns runs(blocks, threads);
-  parallel_team([&](std::size_t thread) { runs.each(thread, one); });
+  run_blocks(n, size, BlockBody(f));
 }
 
 /// f(i) for i in [0, n); f writes to its own index only. Short loops stay on one thread: a fork costs about 2 us.

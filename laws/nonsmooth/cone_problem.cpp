@@ -4,6 +4,7 @@
 
 #include "engine/threads/order_free_sum.h"
 #include "engine/units/error.h"
+#include "laws/factors.h"
 #include "laws/nonsmooth/cone.h"
 
 namespace epafi {
@@ -94,7 +95,7 @@ Eigen::MatrixXd ConeProblem::dense() const {
         h.block<6, 3>(6 * static_cast<Eigen::Index>(row.body[s]), 3 * i) += row.jacobian[s];
         y.block<6, 3>(6 * static_cast<Eigen::Index>(row.body[s]), 3 * i) += row.response[s];
       }
-    return h.transpose() * y;
+    return transposed_product(h, y);
   }
   for (std::size_t i = 0; i + 1 < begin.size(); ++i)
     for (std::size_t k = begin[i]; k < begin[i + 1]; ++k)

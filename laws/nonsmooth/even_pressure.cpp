@@ -1,9 +1,9 @@
 #include "laws/nonsmooth/even_pressure.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <tuple>
 
+#include "laws/factors.h"
 #include "laws/nonsmooth/cone.h"
 
 namespace epafi {
@@ -27,9 +27,9 @@ Eigen::VectorXd shortest(const Eigen::MatrixXd& g, Eigen::VectorXd r) {
     Eigen::MatrixXd rows = g;
     for (Eigen::Index i = 0; i < n; ++i)
       if (!bears[static_cast<std::size_t>(i)]) rows.row(i).setZero();
-    Eigen::MatrixXd gram = rows.transpose() * rows;
+    Eigen::MatrixXd gram = transposed_product(rows, rows);
     gram.diagonal().array() += weight * (gram.trace() / static_cast<double>(gram.rows()) + 1e-300);
-    const Eigen::VectorXd change = rows * gram.ldlt().solve(rows.transpose() * r) - r;
+    const Eigen::VectorXd change = rows * solve_ldlt(gram, rows.transpose() * r) - r;
     double share = 1.0;
     Eigen::Index first = -1;
     for (Eigen::Index i = 0; i < n; ++i)

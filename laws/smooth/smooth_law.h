@@ -30,7 +30,7 @@ struct NormalEvaluation {
   NormalResponse (*one)(const double* numbers, const ContactKinematics&, const double* before, double* now,
                         const double* dt_if_located) = nullptr;
 };
-/// Compiled in laws/smooth/passes, a file for each Loop<Law>; for the widest lanes of now.
+/// Compiled in laws/smooth/passes/normal_laws.cpp, a line for each Loop<Law>; for the widest lanes of now.
 template <class Law>
 NormalEvaluation normal_evaluation();
 

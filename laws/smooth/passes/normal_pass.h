@@ -1,5 +1,4 @@
-/// @file normal_pass.h  A normal law as a pass. Only the .cpp files of this folder, one for each way of evaluation, see
-/// it.
+/// @file normal_pass.h  A normal law as a pass. Only normal_laws.cpp, a line for each way of evaluation, sees it.
 #pragma once
 #include "engine/lanes/targets.h"
 #include "laws/smooth/fused/tile_passes.h"

@@ -22,15 +22,17 @@ struct SphereRolling {
   V3 turning[size];                 ///< against each other, in the middle of the step [rad/s]
   V slip_mobility[size];            ///< [1/kg]
   V inertia[size];                  ///< about the contact [kg m^2]
-  V spin_inertia[size];             ///< about the centres [kg m^2]
+  V inverse_inertia[size];          ///< sum of those about the centres [1/(kg m^2)]
   V dashpot[size];                  ///< against rolling [N m s]
   V3 friction[size], moment[size];  ///< on A [N], [N m]
   V stored[size], slipped[size];    ///< twice those of the friction springs [J]
 };
 
-template <LaneVector V>
+/// Root and division only where some lane is beyond its limit.
+template <int n, LaneVector V>
 EPAFI_LANES VectorsOf<V> within(const VectorsOf<V>& load, const V& limit) {
   const V square = load.dot(load);
+  if (less_bits<n>(limit * limit, square) == 0) return load;
   const MaskOf<V> over = square > limit * limit;
   const V length = sqrt(select(over, square, V{} + 1.0));
   return select(over, limit / length, V{} + 1.0) * load;
@@ -91,21 +93,23 @@ EPAFI_LANES void find_rolling(const SphereTile<n>& t, SphereRolling<n>& r, std::
   if (!call.wall)
     b.read(
         with, [&](int l) EPAFI_INLINED { return bodies[l].b; }, c.radius_b, c.lever, -normal);
-  VectorsOf<V> velocity = -c.nearer;
-  if (call.periodic && !call.wall) {  // the flow of a deforming cell comes on top
-    const V length = t.column(t.distance, g);
-    const Lanes& rate = with.strain_rate;
-    velocity =
-        velocity + VectorsOf<V>{rate[0] * length * normal.x, rate[1] * length * normal.y, rate[2] * length * normal.z};
+  if (with.passes->needs.dashpots) {
+    VectorsOf<V> velocity = -c.nearer;
+    if (call.periodic && !call.wall) {  // the flow of a deforming cell comes on top
+      const V length = t.column(t.distance, g);
+      const Lanes& rate = with.strain_rate;
+      velocity = velocity +
+                 VectorsOf<V>{rate[0] * length * normal.x, rate[1] * length * normal.y, rate[2] * length * normal.z};
+    }
+    const VectorsOf<V> turning = c.lever * (c.radius_a * a.late_spin + c.radius_b * b.late_spin);
+    r.slip[g] = in_plane(velocity, normal) - turning.cross(normal);
+    r.slip_mobility[g] = a.slip_mobility + b.slip_mobility;
   }
-  const VectorsOf<V> turning = c.lever * (c.radius_a * a.late_spin + c.radius_b * b.late_spin);
-  r.slip[g] = in_plane(velocity, normal) - turning.cross(normal);
-  r.slip_mobility[g] = a.slip_mobility + b.slip_mobility;
   if (!with.passes->needs.rolling) return;
   r.spin[g] = in_plane(b.late_spin - a.late_spin, normal);
   r.turning[g] = in_plane(c.turning, normal);
   r.inertia[g] = 1.0 / (a.rolling_mobility + b.rolling_mobility);
-  r.spin_inertia[g] = 1.0 / (a.inverse_inertia + b.inverse_inertia);
+  r.inverse_inertia[g] = a.inverse_inertia + b.inverse_inertia;
 }
 
 /// Adds the moments to the sums as add_forces does the forces; of B to records where it lies in another block.
@@ -153,9 +157,12 @@ struct RollingPass {
     auto& t = *static_cast<SphereTile<n>*>(call.tile);
     SphereRolling<n> r;
     for (std::size_t g = 0; g < t.groups; ++g) find_rolling<n>(t, r, g, call);
-    each_group<n>(t, call, &PairRow::tangential, [&](std::size_t g, const V(&p)[PairRow::most]) EPAFI_INLINED {
-      damp<n>(t, r, g, parameters_from<CoulombSpring::ParametersOf<V>>(p).damping);
-    });
+    if (call.arrays->passes->needs.dashpots)
+      each_group<n>(t, call, &PairRow::tangential, [&](std::size_t g, const V(&p)[PairRow::most]) EPAFI_INLINED {
+        damp<n>(t, r, g, parameters_from<CoulombSpring::ParametersOf<V>>(p).damping);
+      });
+    else
+      for (std::size_t g = 0; g < t.groups; ++g) r.friction[g] = within<n>(t.group[g].load, t.group[g].limit);
     if (call.arrays->passes->needs.rolling) {
       each_group<n>(t, call, &PairRow::rolling, [&](std::size_t g, const V(&p)[PairRow::most]) EPAFI_INLINED {
         prepare<n>(t, r, g, {call.type, p[0], p[1]});
@@ -177,18 +184,21 @@ struct RollingPass {
     typename SphereTile<n>::Group& c = t.group[g];
     const V mobility = r.slip_mobility[g], dashpot = 2.0 * damping * sqrt(c.stiffness / mobility);
     const DamperStep<V> step{call.dt, call.arrays->lag * mobility};
-    r.friction[g] = within(c.load + damper_force(step, dashpot, c.stiffness, r.slip[g], c.slip), c.limit);
+    r.friction[g] = within<n>(c.load + damper_force(step, dashpot, c.stiffness, r.slip[g], c.slip), c.limit);
     c.viscous += (r.friction[g] - c.load).dot(r.slip[g]);
-    r.stored[g] = c.twice_stored;
-    r.slipped[g] = c.twice_slipped;
   }
   /// The rolling spring takes the place of the friction spring in the tile.
   template <int n, class V = typename LanesOf<n>::Real>
   EPAFI_LANES void prepare(SphereTile<n>& t, SphereRolling<n>& r, std::size_t g,
                            const AnyRolling::ParametersOf<V>& p) const {
     typename SphereTile<n>::Group& c = t.group[g];
-    const RollingStepOf<V> step{
-        c.normal_stiffness, c.grip, c.radius, r.inertia[g], r.spin_inertia[g], sqrt(r.spin[g].dot(r.spin[g])), call.dt};
+    RollingStepOf<V> step{c.normal_stiffness, c.grip, c.radius, r.inertia[g], V{}, V{}, call.dt};
+    if (AnyRolling::stops_at_once(p)) {
+      step.spin_inertia = 1.0 / r.inverse_inertia[g];
+      step.spin = sqrt(r.spin[g].dot(r.spin[g]));
+    }
+    r.stored[g] = c.twice_stored;
+    r.slipped[g] = c.twice_slipped;
     r.dashpot[g] = AnyRolling::damping(p, step);
     c.stiffness = AnyRolling::stiffness(p, step);
     c.limit = AnyRolling::limit(p, step);
@@ -202,7 +212,7 @@ struct RollingPass {
     c.twice_slipped += r.slipped[g];
     const double lag = call.type == AnyRolling::Type::constant ? 0.0 : call.arrays->lag;
     const DamperStep<typename LanesOf<n>::Real> step{call.dt, lag / r.inertia[g]};
-    r.moment[g] = within(c.load + damper_force(step, r.dashpot[g], c.stiffness, r.spin[g], c.slip), c.limit);
+    r.moment[g] = within<n>(c.load + damper_force(step, r.dashpot[g], c.stiffness, r.spin[g], c.slip), c.limit);
     c.viscous += (r.moment[g] - c.load).dot(r.spin[g]);
     c.load = r.friction[g];
   }

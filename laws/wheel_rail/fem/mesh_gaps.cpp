@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "laws/factors.h"
+
 namespace epafi {
 namespace {
 
@@ -81,7 +83,7 @@ SurfaceProblem MeshGaps::linearise(const Eigen::MatrixXd& W, const Eigen::Vector
   }
   const Eigen::VectorXd level = transfer_.rowwise().sum();
   incomplete_ = !(level.minCoeff() > 0.0);
-  return {transfer_ * W * transfer_.transpose(), gap, level, level};
+  return {product(product(transfer_, W), transfer_.transpose()), gap, level, level};
 }
 
 SurfaceContact MeshGaps::solve(const Eigen::MatrixXd& W, const NormalTarget& target, Enforcement method,

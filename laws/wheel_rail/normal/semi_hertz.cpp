@@ -175,7 +175,7 @@ class Mixing {
           df_.row(k).setZero();
         }
       const auto F = df_.leftCols(columns);
-      const Eigen::MatrixXd M = F.transpose() * F;
+      const Eigen::MatrixXd M = transposed_product(F, F);
       out -= (dx_.leftCols(columns) + share * F) *
              solve_ldlt(M + 1e-12 * M.trace() * Eigen::MatrixXd::Identity(columns, columns), F.transpose() * f);
     }

@@ -1,5 +1,0 @@
-#include "laws/smooth/passes/normal_pass.h"
-
-namespace epafi {
-template NormalEvaluation normal_evaluation<Hertz>();
-}  // namespace epafi
