@@ -35,17 +35,17 @@ double seconds_of(int trials, int calls, F&& f) {
 
 double exchange(std::size_t rows, int trials, int calls) {
   const int next = (rank_number() + 1) % rank_count();
-  const Plan plan(std::vector<int>(rows, next));
-  const std::vector<std::byte> out(rows * row);
-  std::vector<std::byte> in;
+  Plan plan(std::vector<int>(rows, next));
+  const RowBytes out(rows * row, std::byte{});
+  RowBytes in;
   return seconds_of(trials, calls, [&] { plan.run(out, row, in); });
 }
 
 /// All rows come to process 0.
 double gather(std::size_t rows) {
-  const Plan plan(std::vector<int>(rows, 0));
-  const std::vector<std::byte> out(rows * row);
-  std::vector<std::byte> in;
+  Plan plan(std::vector<int>(rows, 0));
+  const RowBytes out(rows * row, std::byte{});
+  RowBytes in;
   return seconds_of(15, 1, [&] { plan.run(out, row, in); });
 }
 
