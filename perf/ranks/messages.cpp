@@ -14,7 +14,7 @@ namespace {
 
 using namespace epafi;
 
-constexpr std::size_t row = 120;  ///< bytes of a ghost: position, velocity, spin, force, torque
+constexpr std::size_t row = 128;  ///< bytes of a ghost: its state
 
 /// Seconds of one call of f: the least of many short trials, so that some meet nobody else on the machine.
 template <class F>
@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
     constexpr std::size_t many = 20000;
     const double one = exchange(1, 60, 10), large = exchange(many, 15, 1), all = gather(many);
     Joint joint;
-    std::vector<double> sums(11), largest(5);
+    std::vector<double> sums(17), largest(10);
     const double sum = seconds_of(60, 10, [&] {
       joint.begin(sums, largest);
       joint.finish(sums, largest);
