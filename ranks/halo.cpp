@@ -11,25 +11,43 @@ namespace {
 
 /// f(column) for all columns that a step changes; every element is that of one body.
 template <class F>
-void each_moving(World& world, const F& f) {
-  f(world.position);
-  f(world.velocity);
-  if (world.columns().force) f(world.force);
+void each_moving(World& world, bool by_states, const F& f) {
+  const bool rotates = world.rotates();
+  if (by_states) {
+    f(world.states());
+  } else {
+    f(world.position);
+    f(world.velocity);
+    if (rotates) f(world.angular_velocity);
+    if (world.columns().force) f(world.force);
+    if (world.columns().force && rotates) f(world.torque);
+  }
   if (world.columns().periodic) f(world.wraps);
-  if (!world.rotates()) return;
-  f(world.angular_velocity);
-  if (world.columns().force) f(world.torque);
-  if (world.columns().orientation) f(world.orientation);
-  if (world.columns().anisotropy) f(world.angular_momentum);
-}
-
-std::size_t row_of(World& world) {
-  std::size_t bytes = 0;
-  each_moving(world, [&](auto& column) { bytes += sizeof(column[0]); });
-  return bytes;
+  if (world.has_orientation()) f(world.orientation);
+  if (rotates && world.columns().anisotropy) f(world.angular_momentum);
 }
 
 }  // namespace
+
+std::size_t bytes_of_moving(World& world, bool by_states) {
+  std::size_t bytes = 0;
+  each_moving(world, by_states, [&](auto&& column) { bytes += sizeof(column[0]); });
+  return bytes;
+}
+
+void write_moving(World& world, bool by_states, Slot s, std::byte* to) {
+  each_moving(world, by_states, [&](auto&& column) {
+    std::memcpy(to, static_cast<const void*>(&column[s]), sizeof(column[0]));
+    to += sizeof(column[0]);
+  });
+}
+
+void read_moving(const std::byte* from, bool by_states, Slot s, World& world) {
+  each_moving(world, by_states, [&](auto&& column) {
+    std::memcpy(static_cast<void*>(&column[s]), from, sizeof(column[0]));
+    from += sizeof(column[0]);
+  });
+}
 
 void Halo::set_up(const World& world, std::vector<std::pair<int, Slot>> sends,
                   const std::vector<std::uint32_t>& place) {
@@ -58,30 +76,18 @@ void Halo::set_up(const World& world, std::vector<std::pair<int, Slot>> sends,
   if (static_cast<std::size_t>(others) != into_.size()) throw std::logic_error("a ghost has no owner");
 }
 
-void Halo::begin(World& world) {
-  const std::size_t row = row_of(world);
+void Halo::begin(World& world, bool by_states) {
+  const std::size_t row = bytes_of_moving(world, by_states);
   out_.resize(from_.size() * row);
-  parallel_for(from_.size(), [&](std::size_t k) {
-    std::byte* to = out_.data() + k * row;
-    each_moving(world, [&](auto& column) {
-      std::memcpy(to, static_cast<const void*>(&column[from_[k]]), sizeof(column[0]));
-      to += sizeof(column[0]);
-    });
-  });
+  parallel_for(from_.size(), [&](std::size_t k) { write_moving(world, by_states, from_[k], out_.data() + k * row); });
   plan_.begin(out_, row, in_);
   bytes_ += static_cast<double>(out_.size());
 }
 
-void Halo::finish(World& world) {
-  const std::size_t row = row_of(world);
+void Halo::finish(World& world, bool by_states) {
+  const std::size_t row = bytes_of_moving(world, by_states);
   plan_.finish();
-  parallel_for(into_.size(), [&](std::size_t k) {
-    const std::byte* from = in_.data() + k * row;
-    each_moving(world, [&](auto& column) {
-      std::memcpy(static_cast<void*>(&column[into_[k]]), from, sizeof(column[0]));
-      from += sizeof(column[0]);
-    });
-  });
+  parallel_for(into_.size(), [&](std::size_t k) { read_moving(in_.data() + k * row, by_states, into_[k], world); });
 }
 
 }  // namespace epafi

@@ -9,18 +9,20 @@
 
 namespace epafi {
 
+/// A row of all that a step changes of a body: position, velocity, force and whatever else the world has. by_states: in
+/// place of forces what contacts read of the states, where the next step has begun.
+std::size_t bytes_of_moving(World& world, bool by_states = false);
+void write_moving(World& world, bool by_states, Slot s, std::byte* to);
+void read_moving(const std::byte* from, bool by_states, Slot s, World& world);
+
 class Halo {
  public:
-  /// sends: ranks and slots; place: by slot, ascending, in the order of all bodies. By all ranks, as refresh.
+  /// sends: ranks and slots; place: by slot, ascending, in the order of all bodies. By all ranks.
   void set_up(const World& world, std::vector<std::pair<int, Slot>> sends, const std::vector<std::uint32_t>& place);
-  /// Position, velocity, force and whatever else of the state changes in a step.
-  void refresh(World& world) {
-    begin(world);
-    finish(world);
-  }
-  /// The same in two steps: own bodies stay as they are in between, ghosts must not be read.
-  void begin(World& world);
-  void finish(World& world);
+  /// Rows of what moves, in two steps: own bodies stay as they are in between, ghosts must not be read. by_states: the
+  /// same at all ranks.
+  void begin(World& world, bool by_states);
+  void finish(World& world, bool by_states);
   std::span<const Slot> ghosts() const { return into_; }
   double bytes() const { return bytes_; }  ///< sent by this rank in all steps
 

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "engine/step/domain.h"
+#include "engine/step/observer.h"
 #include "ranks/communicator.h"
 
 namespace epafi {
@@ -13,8 +14,7 @@ namespace epafi {
 enum class Task : std::int32_t {
   receive,
   give,
-  give_contacts,
-  give_pieces,  ///< contacts, as pieces have them
+  give_seen,  ///< contacts as `contacts` wants them
   totals,
   stiffness,
   step,
@@ -31,7 +31,8 @@ enum class Task : std::int32_t {
 struct Order {
   Task task = Task::end;
   std::int32_t code = 0;  ///< to end with; totals: overlaps are asked for too
-  double dt = 0.0;        ///< [s]
+  ContactView contacts = ContactView::none;
+  double dt = 0.0;  ///< [s]
   double low[3] = {}, high[3] = {};
   std::int32_t has_domain = 0, outside = 0;
   bool run_on = false;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -15,22 +16,39 @@ namespace epafi {
 
 namespace {
 
+/// What contacts read of the states, in the middle of a step.
+void visit_states(World& world, StateVisitor& visitor) {
+  constexpr std::size_t numbers = 3;
+  std::vector<double> all(numbers * world.size());
+  const auto each = [&](const auto& f) {
+    for (Slot s = 0; s < world.size(); ++s)
+      f(reinterpret_cast<double*>(&world.states()[s].predicted), &all[numbers * s]);
+  };
+  each([](const double* state, double* row) { std::copy_n(state, numbers, row); });
+  visitor.records(RowsOf::bodies, "part/predicted", numbers, all);
+  each([](double* state, const double* row) { std::copy_n(row, numbers, state); });
+}
+
 /// The part of a simulation's state that every step needs; counters, ledger and observers are with the whole.
-StateWalk walk_of(Simulation& sim) {
-  return [&sim](StateVisitor& visitor) {
+StateWalk walk_of(Simulation& sim, bool with_states = false) {
+  return [&sim, with_states](StateVisitor& visitor) {
     sim.pipeline.each_stage([&](auto& stage) { stage.visit(visitor); });
     sim.world.visit(visitor);
     for (auto& event : sim.events)
       if (event->is_local()) event->visit(visitor);
+    if (with_states) visit_states(sim.world, visitor);
   };
 }
 
 }  // namespace
 
 /// The rows that have come are the state; their owners tell each other.
-void Part::settle(StateImage& image, const Arrival& arrival) {
+void Part::settle(StateImage& image, const Arrival& arrival, bool with_states) {
   forget_slots(sim_);
-  restore(image, walk_of(sim_));
+  restore(image, walk_of(sim_, with_states));
+  SharedModel* const model = shared_model();
+  by_states_ = model && model->tells_states(only_spheres_);
+  if (with_states) model->take_states();
   World& world = sim_.world;
   place_ = arrival.place;
   world.owner = owners_of(arrival);
@@ -46,6 +64,7 @@ void Part::settle(StateImage& image, const Arrival& arrival) {
   Speeds speeds = speeds_of_own();
   max_over_ranks(speeds);
   motion_ = {};
+  motion_.along = territory_.cut_axes();
   take_speeds(speeds);
   figures_.bytes += arrival.bytes;
   const Routes now = territory_.routes(world, world.owner, place_, {});
@@ -54,13 +73,12 @@ void Part::settle(StateImage& image, const Arrival& arrival) {
     for (std::uint32_t k = now.begin[s]; world.owner[s] == World::here && k < now.begin[s + 1]; ++k)
       if (now.to[k] != rank_number()) sends.emplace_back(now.to[k], s);
   halo_.set_up(world, std::move(sends), place_);
-  settled_ = true;
-}
-
-void Part::suit_margin(double longest) {
   std::array<double, 2> sums{own_, static_cast<double>(halo_.ghosts().size())};
   sum_over_ranks(sums);
-  territory_.suit(longest, sums[0], sums[1]);
+  all_ = sums[0];
+  all_ghosts_ = sums[1];
+  is_uneven_ = false;
+  settled_ = true;
 }
 
 void Part::receive(Simulation* whole) {
@@ -73,9 +91,9 @@ void Part::receive(Simulation* whole) {
   place_.resize(owner.size());
   std::iota(place_.begin(), place_.end(), 0u);
   territory_.cut(world, owner, work_.take());
-  if (dt_ > 0.0) suit_margin(motion_.next(dt_));
+  if (dt_ > 0.0) territory_.suit(motion_.next(dt_), all_, all_ghosts_);
   const Arrival arrival = exchange_rows(image, territory_.routes(world, owner, place_, all_ranks()));
-  settle(image, arrival);
+  settle(image, arrival, false);
   asked_ = false;
   prepared_ = true;
   timer.lap(RankStage::sharing);
@@ -83,12 +101,13 @@ void Part::receive(Simulation* whole) {
 
 /// Bodies go to the ranks in whose parts they are now; longest: way of a body in the next step [m].
 void Part::move(double longest) {
-  suit_margin(longest);
-  if (territory_.cut_if_uneven(sim_.world, sim_.world.owner, work_.seconds())) work_.take();
-  StateImage image = image_of(walk_of(sim_));
+  territory_.suit(longest, all_, all_ghosts_);
+  if (is_uneven_) territory_.cut_by_owners(sim_.world, sim_.world.owner, work_.take(), worked_, all_);
+  const bool with_states = has_begun();
+  StateImage image = image_of(walk_of(sim_, with_states));
   const Arrival arrival =
       exchange_rows(image, territory_.routes(sim_.world, sim_.world.owner, place_, {rank_number()}));
-  settle(image, arrival);
+  settle(image, arrival, with_states);
   figures_.moved += 1.0;
 }
 
@@ -104,19 +123,30 @@ void Part::give(Simulation* whole) {
   timer.lap(RankStage::sharing);
 }
 
-void Part::give_places(Simulation* whole) {
-  const World& world = sim_.world;
-  RowBytes rows, arrived;
+/// What a step changes of them; the slots of the whole are the places.
+void Part::give_bodies(Simulation* whole) {
+  World& world = sim_.world;
+  std::vector<Slot> told;
   for (Slot s = 0; s < world.size(); ++s)
-    if (world.owner[s] == World::here) append_row(rows, place_of(world, s));
-  Plan plan(std::vector<int>(rows.size() / sizeof(PlaceRow), 0));
-  plan.run(rows, sizeof(PlaceRow), arrived);
+    if (world.owner[s] == World::here || (whole && world.owner[s] == World::everywhere)) told.push_back(s);
+  const std::size_t moving = bytes_of_moving(world), row = sizeof place_[0] + moving;
+  RowBytes rows(told.size() * row), arrived;
+  parallel_for(told.size(), [&](std::size_t k) {
+    std::byte* const to = rows.data() + k * row;
+    std::memcpy(to, &place_[told[k]], sizeof place_[0]);
+    write_moving(world, false, told[k], to + sizeof place_[0]);
+  });
+  Plan plan(std::vector<int>(told.size(), 0));
+  plan.run(rows, row, arrived);
   figures_.bytes += static_cast<double>(rows.size());
   if (!whole) return;
   whole->world.cell = world.cell;
-  for (std::size_t k = 0; k < plan.received(); ++k) put_place(row_at<PlaceRow>(arrived, k), whole->world);
-  for (Slot s = 0; s < world.size(); ++s)
-    if (world.owner[s] == World::everywhere) put_place(place_of(world, s), whole->world);
+  parallel_for(plan.received(), [&](std::size_t k) {
+    const std::byte* const from = arrived.data() + k * row;
+    std::uint32_t place = 0;
+    std::memcpy(&place, from, sizeof place);
+    read_moving(from + sizeof place, false, place, whole->world);
+  });
 }
 
 /// Those that this rank tells of; in_pieces: those of the model behind the others, as its own.
@@ -192,9 +222,14 @@ void Part::put_contacts(const RowBytes& rows, World& world, ContactSet& all) con
   for (std::size_t k = 0; k < keys.size(); ++k) put_row(all, k, row_at<ContactRow>(rows, keys[k].row), world);
 }
 
-void Part::give_contacts(Simulation* whole, bool in_pieces) {
+void Part::give_seen(Simulation* whole, ContactView contacts) {
   RankTimer timer(figures_);
-  give_places(whole);
+  give_bodies(whole);
+  if (contacts >= ContactView::pieces) give_contacts(whole, contacts != ContactView::all);
+  timer.lap(RankStage::sharing);
+}
+
+void Part::give_contacts(Simulation* whole, bool in_pieces) {
   const RowBytes rows = contact_rows(in_pieces);
   RowBytes arrived;
   Plan plan(std::vector<int>(rows.size() / sizeof(ContactRow), 0));
@@ -204,7 +239,6 @@ void Part::give_contacts(Simulation* whole, bool in_pieces) {
     whole->work.contacts.with_moment = sim_.work.contacts.with_moment;
     put_contacts(arrived, whole->world, whole->work.contacts);
   }
-  timer.lap(RankStage::sharing);
 }
 
 Part::Speeds Part::speeds_of_own() const {
@@ -253,13 +287,13 @@ double Part::farthest_of_own() const {
   const World& world = sim_.world;
   const Vec3 low = world.cell ? world.cell->low : Vec3(Vec3::Zero());
   const Vec3 size = world.cell ? world.cell->size : Vec3(Vec3::Ones()), stretch = size.cwiseQuotient(start_.cell);
-  return std::sqrt(block_max<double>(world.size(), 0.0, [&](std::size_t i) {
+  return block_max<double>(world.size(), 0.0, [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
     if (world.owner[s] != World::here) return 0.0;
     Vec3 way = world.position[s] - low - stretch.cwiseProduct(start_.position[s] - low) - motion_.together;
     if (world.cell) way += (world.wraps[s] - start_.wraps[s]).cast<double>().cwiseProduct(size);
-    return way.squaredNorm();
-  }));
+    return motion_.along.cwiseProduct(way).cwiseAbs().maxCoeff();
+  });
 }
 
 /// The cell has deformed before this step: what was so far apart is farther or nearer now.
@@ -271,12 +305,13 @@ void Part::note_flow(double dt) {
   start_.grown *= most;
 }
 
-/// No body leaves the margin in the next step. Ways are sums of what the fastest body may have gone in each step, and
-/// measured only where these are too long.
+/// No body leaves the margin in the next step, or most of it where a list ends: after a move all lists are new anyhow.
+/// Ways are sums of what the fastest body may have gone in each step, and measured only where these are too long.
 bool Part::stays(double dt) {
+  const double margin = (list_ends_ ? 0.75 : 1.0) * territory_.margin();
   const auto is_near = [&] {
     const double grown = start_.grown;
-    return grown * motion_.all(dt) + 0.5 * (grown - 1.0) * territory_.reach() < territory_.margin();
+    return grown * motion_.all(dt) + 0.5 * (grown - 1.0) * territory_.reach() < margin;
   };
   if (is_near()) return true;
   motion_.way = farthest_of_own();
@@ -311,7 +346,7 @@ double Part::act_events(double dt) {
 bool Part::hold(double dt) {
   const bool ahead = sim_.is_ahead();
   if (ahead) motion_.go(dt);
-  const bool moves = !stays(ahead ? 0.0 : dt);
+  const bool moves = !stays(ahead ? 0.0 : dt) || (list_ends_ && is_uneven_);
   if (moves) move(motion_.next(dt));
   if (!ahead) motion_.go(dt);
   dt_ = dt;
@@ -346,7 +381,7 @@ bool Part::step(double dt, const std::optional<Domain>& domain, bool run_on, Ste
   sim_.work.report.work += booked;
   work_.end();
   timer.skip();
-  halo_.begin(world);
+  halo_.begin(world, has_begun());
   timer.lap(RankStage::exchange);
   join_held_loads();
   if (deforms_) join_virial();
@@ -354,7 +389,7 @@ bool Part::step(double dt, const std::optional<Domain>& domain, bool run_on, Ste
   bool sound = is_sound(domain);
   begin_sums(sound, domain);
   timer.lap(RankStage::hidden);
-  halo_.finish(world);
+  halo_.finish(world, has_begun());
   if (sim_.is_ahead()) shared_model()->take_ghosts(world, halo_.ghosts());
   timer.lap(RankStage::exchange);
   figures_.steps += 1.0;

@@ -27,6 +27,7 @@ class Part {
       : sim_(simulation),
         stiffness_(setup.stiffness),
         deforms_(setup.deforms),
+        only_spheres_(setup.only_spheres),
         tied_(setup.tied),
         territory_(std::move(setup)) {}
 
@@ -34,8 +35,8 @@ class Part {
   void receive(Simulation* whole);
   /// The state of all parts comes into the whole.
   void give(Simulation* whole);
-  /// Contacts of the last step, and where the bodies are: nothing else of the whole is of this moment.
-  void give_contacts(Simulation* whole, bool in_pieces);
+  /// As RemoteSteps::fetch_seen.
+  void give_seen(Simulation* whole, ContactView contacts);
   /// Of all parts, at rank 0: as RemoteSteps has them.
   RemoteTotals totals(bool overlaps);
   double stiffness(double dt);
@@ -48,9 +49,11 @@ class Part {
  private:
   void move(double longest);
   bool hold(double dt);
-  void suit_margin(double longest);
-  void settle(StateImage& image, const Arrival& arrival);
-  void give_places(Simulation* whole);
+  void settle(StateImage& image, const Arrival& arrival, bool with_states);
+  /// The next step, and what contacts read of its bodies is in their states.
+  bool has_begun() const { return by_states_ && sim_.is_ahead(); }
+  void give_bodies(Simulation* whole);
+  void give_contacts(Simulation* whole, bool in_pieces);
   RowBytes contact_rows(bool in_pieces);
   void put_contacts(const RowBytes& rows, World& world, ContactSet& all) const;
   void note_overlaps();
@@ -59,15 +62,18 @@ class Part {
   bool asks() const;
 
   /// Of the free bodies of all ranks. What they do together takes none nearer to another one, as where all fall: ways
-  /// and speeds are those beside it.
+  /// and speeds are those beside it, along the axes that are cut.
   struct Motion {
     double way = 0.0;                              ///< at most, since they were placed [m]
     Vec3 together = Vec3::Zero();                  ///< the common way since then [m]
     Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< of their velocities [m/s]
     double acceleration = 0.0;                     ///< largest, squared [m^2/s^4]
+    Vec3 along = Vec3::Ones();                     ///< as Territory::cut_axes
     Vec3 velocity() const { return 0.5 * (low + high); }
     /// In a step from now on, at most [m].
-    double next(double dt) const { return dt * (0.5 * (high - low).norm() + dt * std::sqrt(acceleration)); }
+    double next(double dt) const {
+      return dt * (0.5 * along.cwiseProduct(high - low).maxCoeff() + dt * along.maxCoeff() * std::sqrt(acceleration));
+    }
     double all(double dt) const { return way + next(dt); }
     void go(double dt) {
       way += next(dt);
@@ -94,7 +100,8 @@ class Part {
 
   Simulation& sim_;
   decltype(PartSetup::stiffness) stiffness_;
-  bool deforms_;
+  bool deforms_, only_spheres_;
+  bool by_states_ = false;  ///< forces need not go to other ranks where the next step has begun
   decltype(PartSetup::tied) tied_;
   Territory territory_;
   Halo halo_;
@@ -106,10 +113,14 @@ class Part {
     Vec3 cell = Vec3::Ones();    ///< its size [m]
     double grown = 1.0;  ///< at most so many times as far apart were they as the cell's flow alone would tell now
   } start_;
-  double own_ = 0.0;       ///< free bodies of this rank
-  bool prepared_ = false;  ///< events have seen this state where it was whole
-  bool asked_ = false;     ///< some common event has something to do before the next step
-  bool settled_ = false;   ///< bodies have come since the last step
+  double own_ = 0.0;                     ///< free bodies of this rank
+  double all_ = 0.0, all_ghosts_ = 0.0;  ///< free bodies and ghosts of all ranks
+  bool prepared_ = false;                ///< events have seen this state where it was whole
+  bool asked_ = false;                   ///< some common event has something to do before the next step
+  bool settled_ = false;                 ///< bodies have come since the last step
+  bool list_ends_ = false;               ///< some rank makes a new pair list in the next step
+  bool is_uneven_ = false;               ///< new cuts are worth a move
+  double worked_ = 0.0;                  ///< by all ranks since the last cuts [s]
   /// Where the next step has begun: all bodies are numbers in it, and inside the domain if the last one had that.
   bool inside_ = false, had_domain_ = false;
   Motion motion_;

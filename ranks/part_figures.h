@@ -40,14 +40,16 @@ class RankTimer {
 class WorkMeter {
  public:
   void begin() { begun_ = std::clock(); }
-  void end() { seconds_ += static_cast<double>(std::clock() - begun_) / CLOCKS_PER_SEC; }
+  void end() { ticks_ += std::clock() - begun_; }
   /// Since the last call [s].
-  double take() { return std::exchange(seconds_, 0.0); }
-  double seconds() const { return seconds_; }
+  double take() { return seconds_of(static_cast<double>(std::exchange(ticks_, 0))); }
+  double seconds() const { return seconds_of(ticks()); }
+  /// A whole number: sums of them are exact.
+  double ticks() const { return static_cast<double>(ticks_); }
+  static double seconds_of(double ticks) { return ticks / CLOCKS_PER_SEC; }
 
  private:
-  std::clock_t begun_ = 0;
-  double seconds_ = 0.0;
+  std::clock_t begun_ = 0, ticks_ = 0;
 };
 
 /// By all ranks.

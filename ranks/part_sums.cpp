@@ -148,7 +148,7 @@ void Part::begin_sums(bool sound, const std::optional<Domain>& domain) {
   const Extent next = ahead ? shared_model()->begun() : Extent();
   const SharedList* const list = shared_list();
   const SharedList::End end = list ? list->foreseen() : SharedList::End{};
-  const std::array<double, 16> sums{static_cast<double>(mine.pairs),
+  const std::array<double, 17> sums{static_cast<double>(mine.pairs),
                                     static_cast<double>(mine.contacts),
                                     static_cast<double>(mine.touching),
                                     mine.elastic,
@@ -163,15 +163,16 @@ void Part::begin_sums(bool sound, const std::optional<Domain>& domain) {
                                     ahead ? 1.0 : 0.0,
                                     own_ > 0.0 && !next.is_inside(domain) ? 1.0 : 0.0,
                                     end.comes ? 1.0 : 0.0,
-                                    end.by_slow ? 1.0 : 0.0};
-  std::array<double, 9> largest{mine.deepest, mine.deepest_relative};
-  std::ranges::copy(ahead ? speeds_of(next) : speeds_of_own(), largest.begin() + 2);  // accelerations have acted
+                                    end.by_slow ? 1.0 : 0.0,
+                                    work_.ticks()};
+  std::array<double, 10> largest{mine.deepest, mine.deepest_relative, work_.ticks()};
+  std::ranges::copy(ahead ? speeds_of(next) : speeds_of_own(), largest.begin() + 3);  // accelerations have acted
   joint_.begin(sums, largest);
 }
 
 void Part::finish_sums(StepReport& report, bool& sound) {
-  std::array<double, 16> sums{};
-  std::array<double, 9> largest{};
+  std::array<double, 17> sums{};
+  std::array<double, 10> largest{};
   joint_.finish(sums, largest);
   report.pairs = static_cast<std::size_t>(sums[0]);
   report.contacts = static_cast<std::size_t>(sums[1]);
@@ -182,12 +183,15 @@ void Part::finish_sums(StepReport& report, bool& sound) {
   report.losses = {sums[6], sums[7], sums[8], sums[9]};
   report.deepest = largest[0];
   report.deepest_relative = largest[1];
-  take_speeds(std::span(largest).subspan<2>());
+  worked_ = WorkMeter::seconds_of(sums[16]);
+  is_uneven_ = Territory::is_uneven(WorkMeter::seconds_of(largest[2]), worked_, all_);
+  take_speeds(std::span(largest).subspan<3>());
   sound = sums[10] == 0.0;
   asked_ = sums[11] != 0.0;
   if (sums[12] != (sim_.is_ahead() ? rank_count() : 0.0)) throw std::logic_error("ranks are in different steps");
   inside_ = sums[13] == 0.0;
-  if (SharedList* list = shared_list()) list->end_with_others({sums[14] != 0.0, sums[15] != 0.0});
+  list_ends_ = sums[14] != 0.0;
+  if (SharedList* list = shared_list()) list->end_with_others({list_ends_, sums[15] != 0.0});
 }
 
 }  // namespace epafi

@@ -21,6 +21,7 @@ struct Partition::Cuts {
   Zoltan_Struct* zoltan = Zoltan_Create(MPI_COMM_WORLD);
   std::span<const Vec3> points;
   std::span<const float> weights;
+  Vec3 scale = Vec3::Ones();  ///< of what Zoltan sees
   bool made = false;
   std::vector<int> processes, parts;
   struct Part {
@@ -41,7 +42,7 @@ struct Partition::Cuts {
       int axes = 0;
       Vec3 a, b;
       expect(Zoltan_RCB_Box(zoltan, rank, &axes, &a.x(), &a.y(), &a.z(), &b.x(), &b.y(), &b.z()), "the box of a part");
-      boxes.push_back({a, b});
+      boxes.push_back({a.cwiseQuotient(scale), b.cwiseQuotient(scale)});
     }
   }
 
@@ -64,7 +65,8 @@ struct Partition::Cuts {
   }
   static void places(void* data, int, int, int count, ZOLTAN_ID_PTR, ZOLTAN_ID_PTR local, int, double* x, int* error) {
     *error = ZOLTAN_OK;
-    for (int i = 0; i < count; ++i) std::copy_n(of(data).points[local[i]].data(), 3, x + 3 * i);
+    for (int i = 0; i < count; ++i)
+      Eigen::Map<Vec3>(x + 3 * i) = of(data).points[local[i]].cwiseProduct(of(data).scale);
   }
 };
 
@@ -89,7 +91,7 @@ Partition::Cuts::Cuts() {
 Partition::Partition() : cuts_(std::make_unique<Cuts>()) {}
 Partition::~Partition() = default;
 
-void Partition::cut(std::span<const Vec3> points, std::span<const float> weights) {
+void Partition::cut(std::span<const Vec3> points, std::span<const float> weights, const Vec3& scale) {
   EPAFI_REQUIRE(weights.empty() || weights.size() == points.size(), "a weight for each point");
   double all = static_cast<double>(points.size());
   sum_over_ranks({&all, 1});
@@ -97,6 +99,7 @@ void Partition::cut(std::span<const Vec3> points, std::span<const float> weights
   if (!cuts_->made) return;  // nothing to share out: all space is that of rank 0
   cuts_->points = points;
   cuts_->weights = weights;
+  cuts_->scale = scale;
   int changed = 0, globals = 0, locals = 0, incoming = 0, outgoing = 0;
   ZOLTAN_ID_PTR in_global = nullptr, in_local = nullptr, out_global = nullptr, out_local = nullptr;
   int *in_process = nullptr, *in_part = nullptr, *out_process = nullptr, *out_part = nullptr;
@@ -117,17 +120,26 @@ bool Partition::is_deep(const Vec3& x, double half, int rank) const {
   return ((x - low).array() > half).all() && ((high - x).array() > half).all();
 }
 
+Vec3 Partition::cut_axes() const {
+  constexpr double far = 1e29;  // Zoltan's ends of all space are beyond
+  Vec3 axes = Vec3::Zero();
+  if (!cuts_->made) return axes;
+  for (const auto& [low, high] : cuts_->boxes)
+    axes = axes.cwiseMax(Vec3(((low.array() > -far) || (high.array() < far)).cast<double>()));
+  return axes;
+}
+
 int Partition::owner(const Vec3& x) const {
   if (!cuts_->made) return 0;
-  double at[3] = {x.x(), x.y(), x.z()};
+  Vec3 at = x.cwiseProduct(cuts_->scale);
   int process = 0, part = 0;
-  expect(Zoltan_LB_Point_PP_Assign(cuts_->zoltan, at, &process, &part), "the owner of a point");
+  expect(Zoltan_LB_Point_PP_Assign(cuts_->zoltan, at.data(), &process, &part), "the owner of a point");
   return process;
 }
 
 void Partition::ranks_near(const Vec3& x, double half, std::vector<int>& ranks) const {
   if (!cuts_->made) return ranks.push_back(0);
-  const Vec3 low = x.array() - half, high = x.array() + half;
+  const Vec3 low = (x.array() - half) * cuts_->scale.array(), high = (x.array() + half) * cuts_->scale.array();
   int processes = 0, parts = 0;
   expect(Zoltan_LB_Box_PP_Assign(cuts_->zoltan, low.x(), low.y(), low.z(), high.x(), high.y(), high.z(),
                                  cuts_->processes.data(), &processes, cuts_->parts.data(), &parts),

@@ -17,8 +17,10 @@ class Partition {
   Partition& operator=(const Partition&) = delete;
 
   /// New cuts, so that every rank has as much weight of all points; points: those of this rank, of weight 1 where none
-  /// are given. By all ranks.
-  void cut(std::span<const Vec3> points, std::span<const float> weights = {});
+  /// are given. The longest extent is cut; lengths along each axis count as so many times as long. By all ranks.
+  void cut(std::span<const Vec3> points, std::span<const float> weights = {}, const Vec3& scale = Vec3::Ones());
+  /// 1 along axes on which some rank's part ends, else 0.
+  Vec3 cut_axes() const;
   int owner(const Vec3& x) const;
   /// All of a cube of this half side is in the part of this rank; true is sure, false is not.
   bool is_deep(const Vec3& x, double half, int rank) const;

@@ -35,21 +35,6 @@ void put_row(ContactSet& set, std::size_t k, const ContactRow& row, const World&
           vector(row.force), vector(row.moment));
 }
 
-PlaceRow place_of(const World& world, Slot s) {
-  PlaceRow row{static_cast<std::uint32_t>(world.id[s]), {}, {}, {}};
-  if (world.cell) std::copy_n(world.wraps[s].data(), 3, row.wraps);
-  std::copy_n(world.position[s].data(), 3, row.position);
-  if (world.has_orientation()) std::copy_n(world.orientation[s].coeffs().data(), 4, row.turn);
-  return row;
-}
-
-void put_place(const PlaceRow& row, World& world) {
-  const Slot s = world.slot_of(static_cast<BodyId>(row.id));
-  std::copy_n(row.position, 3, world.position[s].data());
-  if (world.cell) std::copy_n(row.wraps, 3, world.wraps[s].data());
-  if (world.has_orientation()) std::copy_n(row.turn, 4, world.orientation[s].coeffs().data());
-}
-
 bool tells_of(const World& world, Slot a, Slot b) {
   if (world.owner[a] == World::everywhere && world.owner[b] == World::everywhere) return rank_number() == 0;
   return world.counts(a, b);

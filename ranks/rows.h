@@ -1,4 +1,4 @@
-/// @file rows.h  Plain rows one behind the other, as plans carry them; those of contacts and of places.
+/// @file rows.h  Plain rows one behind the other, as plans carry them; those of contacts.
 #pragma once
 #include <cstring>
 #include <vector>
@@ -30,14 +30,6 @@ struct ContactRow {
 };
 ContactRow row_of(const ContactSet& contacts, std::size_t k, const World& world, bool own);
 void put_row(ContactSet& contacts, std::size_t k, const ContactRow& row, const World& world);
-
-struct PlaceRow {
-  std::uint32_t id;
-  std::int32_t wraps[3];
-  double position[3], turn[4];
-};
-PlaceRow place_of(const World& world, Slot s);
-void put_place(const PlaceRow& row, World& world);
 
 /// This rank tells of contact k: its owner, of two bodies that every rank has rank 0.
 bool tells_of(const World& world, Slot a, Slot b);

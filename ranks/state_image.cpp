@@ -63,16 +63,6 @@ struct RowGroup {
       to += c->row;
     }
   }
-  /// Row k of `order` becomes row k; rows: so many bytes apart.
-  void read(const std::byte* rows, std::size_t apart, const std::vector<std::uint32_t>& order) const {
-    std::size_t offset = 0;
-    for (ImageColumn* c : columns) {
-      renew(c->data, order.size() * c->row);
-      for (std::size_t k = 0; k < order.size(); ++k)
-        std::memcpy(c->data.data() + k * c->row, rows + order[k] * apart + offset, c->row);
-      offset += c->row;
-    }
-  }
   Slot* slot(std::size_t k, std::size_t which) const {
     std::byte* const at = slots_inside ? columns[0]->data.data() + k * columns[0]->row + which * sizeof(Slot)
                                        : columns[which]->data.data() + k * sizeof(Slot);
@@ -105,46 +95,77 @@ struct ContactHead {
   std::uint32_t a, b;  ///< places
 };
 
-/// Rows of a group with heads on their way.
+/// Rows of a group with heads on their way. Those that stay with this rank are not touched until all are put in order.
 template <class Head>
-struct Parcel {
-  const RowGroup& group;
-  std::size_t row = group.row();  ///< bytes, without the head
+class Parcel {
+ public:
+  explicit Parcel(const RowGroup& group) : group_(group), apart_(sizeof(Head) + group.row()) {}
+  void add(int rank, const Head& head, std::size_t k) {
+    if (rank != own_) return sent_.push_back({rank, head, k});
+    staying_.push_back(k);
+    heads_.push_back(head);
+  }
+  /// Heads of the rows that stay, then of those that have come.
+  const std::vector<Head>& send(double& bytes) {
+    std::vector<std::size_t> next(static_cast<std::size_t>(rank_count()) + 1, 0);  // row of each rank
+    for (const Item& item : sent_) ++next[static_cast<std::size_t>(item.rank) + 1];
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    RowBytes rows(sent_.size() * apart_);
+    std::vector<int> to(sent_.size());
+    for (const Item& item : sent_) {
+      const std::size_t k = next[static_cast<std::size_t>(item.rank)]++;
+      std::byte* const at = rows.data() + k * apart_;
+      to[k] = item.rank;
+      std::memcpy(at, &item.head, sizeof(Head));
+      group_.write(item.k, at + sizeof(Head));
+    }
+    bytes += static_cast<double>(rows.size());
+    Plan plan(to);
+    plan.run(rows, apart_, arrived_);
+    for (std::size_t k = 0; k < plan.received(); ++k)
+      std::memcpy(&heads_.emplace_back(), arrived_.data() + k * apart_, sizeof(Head));
+    return heads_;
+  }
+  /// The row of head order[k] becomes row k.
+  void unpack(const std::vector<std::uint32_t>& order) const {
+    const std::vector<std::size_t> begin = runs_of(order);
+    std::size_t offset = sizeof(Head);
+    for (ImageColumn* c : group_.columns) {
+      RowBytes all(order.size() * c->row);
+      for (std::size_t run = 0; run + 1 < begin.size(); ++run) {
+        const std::size_t k = order[begin[run]];
+        const std::byte* const from = k < staying_.size() ? c->data.data() + staying_[k] * c->row
+                                                          : arrived_.data() + (k - staying_.size()) * apart_ + offset;
+        std::memcpy(all.data() + begin[run] * c->row, from, (begin[run + 1] - begin[run]) * c->row);
+      }
+      c->data.swap(all);
+      offset += c->row;
+    }
+  }
+
+ private:
   struct Item {
     int rank;
     Head head;
     std::size_t k;
   };
-  std::vector<Item> items{};
-  RowBytes rows{};
+  /// Where rows begin that lie side by side in their columns, and the end.
+  std::vector<std::size_t> runs_of(const std::vector<std::uint32_t>& order) const {
+    const auto stays = [&](std::size_t k) { return order[k] < staying_.size(); };
+    std::vector<std::size_t> begin;
+    for (std::size_t k = 0; k < order.size(); ++k)
+      if (k == 0 || !stays(k) || !stays(k - 1) || staying_[order[k]] != staying_[order[k - 1]] + 1) begin.push_back(k);
+    begin.push_back(order.size());
+    return begin;
+  }
 
-  void add(int rank, const Head& head, std::size_t k) { items.push_back({rank, head, k}); }
-  std::vector<Head> send(double& bytes) {
-    std::vector<std::size_t> next(static_cast<std::size_t>(rank_count()) + 1, 0);  // row of each rank
-    for (const Item& item : items) ++next[static_cast<std::size_t>(item.rank) + 1];
-    std::partial_sum(next.begin(), next.end(), next.begin());
-    rows.resize(items.size() * (sizeof(Head) + row));
-    std::vector<int> to(items.size());
-    for (const Item& item : items) {
-      const std::size_t k = next[static_cast<std::size_t>(item.rank)]++;
-      std::byte* const at = rows.data() + k * (sizeof(Head) + row);
-      to[k] = item.rank;
-      std::memcpy(at, &item.head, sizeof(Head));
-      group.write(item.k, at + sizeof(Head));
-    }
-    bytes += static_cast<double>(rows.size());
-    Plan plan(to);
-    RowBytes arrived;
-    plan.run(rows, sizeof(Head) + row, arrived);
-    rows.swap(arrived);
-    std::vector<Head> heads(plan.received());
-    for (std::size_t k = 0; k < heads.size(); ++k)
-      std::memcpy(&heads[k], rows.data() + k * (sizeof(Head) + row), sizeof(Head));
-    return heads;
-  }
-  void unpack(const std::vector<std::uint32_t>& order) const {
-    group.read(rows.data() + sizeof(Head), sizeof(Head) + row, order);
-  }
+  const RowGroup& group_;
+  std::size_t apart_;  ///< bytes from one sent row to the next
+  int own_ = rank_number();
+  std::vector<Item> sent_;
+  std::vector<std::size_t> staying_;
+  std::vector<Head> heads_;
+  RowBytes arrived_;
 };
 
 /// What is sorted from rank to rank is sorted in all then.
@@ -168,12 +189,11 @@ void merge_runs(std::vector<std::uint32_t>& order, const Less& less) {
 
 /// In the order of all bodies.
 void exchange_bodies(const RowGroup& group, const Routes& routes, Arrival& arrival) {
-  Parcel<BodyHead> parcel{group};
-  parcel.items.reserve(routes.to.size());
+  Parcel<BodyHead> parcel(group);
   for (std::size_t s = 0; s < routes.place.size(); ++s)
     for (std::uint32_t k = routes.begin[s]; routes.mine[s] != 0 && k < routes.begin[s + 1]; ++k)
       parcel.add(routes.to[k], {routes.place[s], routes.owner[s]}, s);
-  const std::vector<BodyHead> heads = parcel.send(arrival.bytes);
+  const std::vector<BodyHead>& heads = parcel.send(arrival.bytes);
   std::vector<std::uint32_t> order(heads.size());
   std::iota(order.begin(), order.end(), 0u);
   merge_runs(order, [&](std::uint32_t i, std::uint32_t k) { return heads[i].place < heads[k].place; });
@@ -194,7 +214,7 @@ bool goes_to(const Routes& routes, Slot body, int rank) {
 
 /// A contact goes to the owners of its bodies, sent by that of the first free one.
 void exchange_contacts(const RowGroup& group, const Routes& routes, Arrival& arrival) {
-  Parcel<ContactHead> parcel{group};
+  Parcel<ContactHead> parcel(group);
   for (std::size_t k = 0; k < group.rows(); ++k) {
     const Slot a = *group.slot(k, 0), b = *group.slot(k, 1);
     const int first = routes.owner[a], second = routes.owner[b];
@@ -215,7 +235,7 @@ void exchange_contacts(const RowGroup& group, const Routes& routes, Arrival& arr
     if (!held_a) parcel.add(first, head, k);
     if (!held_b && (held_a || first != second)) parcel.add(second, head, k);
   }
-  const std::vector<ContactHead> heads = parcel.send(arrival.bytes);
+  const std::vector<ContactHead>& heads = parcel.send(arrival.bytes);
   const auto slot_of = [&](std::uint32_t place) {
     const auto at = std::ranges::lower_bound(arrival.place, place);
     if (at == arrival.place.end() || *at != place) throw std::logic_error("a contact came to a rank without its body");

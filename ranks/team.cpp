@@ -32,13 +32,13 @@ class Leader final : public RemoteSteps {
     tell({.task = Task::give});
     part_.give(&whole);
   }
-  /// Once in a step, unless the first order of them will not do.
-  void fetch_contacts(Simulation& whole, bool in_pieces) override {
-    const int order = in_pieces ? 1 : 2;
-    if (std::exchange(fetched_, std::max(fetched_, order)) >= order) return;
+  /// Once in a step, unless more contacts are wanted than came first.
+  void fetch_seen(Simulation& whole, ContactView contacts) override {
+    if (seen_ && *seen_ >= contacts) return;
+    seen_ = contacts;
     const Busy busy(busy_);
-    tell({.task = in_pieces ? Task::give_pieces : Task::give_contacts});
-    part_.give_contacts(&whole, in_pieces);
+    tell({.task = Task::give_seen, .contacts = contacts});
+    part_.give_seen(&whole, contacts);
   }
   RemoteTotals totals(bool overlaps) override {
     const Busy busy(busy_);
@@ -52,7 +52,7 @@ class Leader final : public RemoteSteps {
   }
   bool step(double dt, const std::optional<Domain>& domain, bool run_on, StepReport& report) override {
     const Busy busy(busy_);
-    fetched_ = 0;
+    seen_.reset();
     Order order{.task = Task::step, .dt = dt, .run_on = run_on};
     order.set_domain(domain);
     tell(order);
@@ -69,7 +69,7 @@ class Leader final : public RemoteSteps {
   std::shared_ptr<Simulation> simulation_;
   Part part_;
   bool& busy_;
-  int fetched_ = 0;  ///< contacts of the last step: 1 in pieces, 2 in canonical order
+  std::optional<ContactView> seen_;  ///< contacts of the last step that have come with its bodies
 };
 
 /// What number 0 has announced, behind its order.
@@ -116,9 +116,8 @@ RankTeam::Followed obey(Part& part) {
       case Task::give:
         part.give(nullptr);
         break;
-      case Task::give_contacts:
-      case Task::give_pieces:
-        part.give_contacts(nullptr, order.task == Task::give_pieces);
+      case Task::give_seen:
+        part.give_seen(nullptr, order.contacts);
         break;
       case Task::totals:
         part.totals(order.code != 0);

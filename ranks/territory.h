@@ -22,8 +22,10 @@ class Territory {
   /// do. worked: processor time of this rank since the last cut [s]; bodies of a rank that took longer for each weigh
   /// more. No result depends on it. Bodies are at rank 0. By all ranks.
   void cut(const World& world, const Owners& owner, double worked);
-  /// The same where bodies are with their owners and some rank took a tenth longer than the mean; true if so.
-  bool cut_if_uneven(const World& world, const Owners& owner, double worked);
+  /// The same where bodies are with their owners; time: of all ranks [s]; bodies: of all ranks.
+  void cut_by_owners(const World& world, const Owners& owner, double worked, double time, double bodies);
+  /// New cuts are worth a move: as much time was lost by waiting for the slowest rank, which took so long [s].
+  static bool is_uneven(double longest, double time, double bodies);
   /// Ghosts are enough while no body has moved farther than this since it was placed [m].
   double margin() const { return margin_; }
   /// Bodies farther apart than this have nothing to do with each other, but for those that are tied [m].
@@ -38,10 +40,13 @@ class Territory {
   /// place: by slot, as Routes::place.
   Routes routes(const World& world, const Owners& owner, const std::vector<std::uint32_t>& place,
                 const std::vector<int>& held) const;
+  /// Only ways along these axes (1, others 0) lead from one part to another.
+  Vec3 cut_axes() const { return partition_.cut_axes(); }
   double radius(std::uint32_t shape) const { return setup_.radius(shape); }
   bool is_clump(std::uint32_t shape) const { return setup_.is_clump(shape); }
 
  private:
+  static constexpr double time_of_move = 5e-7;  ///< of one body, where all ranks move theirs [s]
   void measure(const World& world, const Owners& owner);
   void add_ranks_of_tied(const World& world, const Owners& owner, Slot s, std::vector<int>& ranks) const;
   std::vector<float> weights(const std::vector<Vec3>& places, const std::vector<double>& worked) const;

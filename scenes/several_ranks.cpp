@@ -66,6 +66,16 @@ bool has_flat_bodies(const Assembly& a) {
   });
 }
 
+bool has_only_spheres(const Assembly& a) {
+  const World& world = a.simulation->world;
+  const auto is = [&](std::uint32_t type, std::uint32_t shape) { return ShapeRef{shape}.type() == type; };
+  for (Slot s = 0; s < world.size(); ++s)
+    if (!is(world.is_movable(s) ? ShapeStore::type_of<Sphere>() : ShapeStore::type_of<HalfSpace>(), world.shape[s]))
+      return false;
+  return a.sources.empty() && a.scene.springs.empty() &&
+         std::ranges::none_of(a.simulation->events, [](const auto& event) { return event->is_local(); });
+}
+
 std::vector<std::pair<BodyId, BodyId>> tied_bodies(const Assembly& a) {
   std::vector<std::pair<BodyId, BodyId>> tied;
   for (const SpringSpec& s : a.scene.springs)
@@ -87,7 +97,8 @@ PartSetup part_setup(const Assembly& a) {
           smooth ? stiffness_of_parts(a) : decltype(PartSetup::stiffness){},
           a.scene.cell && a.scene.cell->deforms,
           tied_bodies(a),
-          help_with_sweeps};
+          help_with_sweeps,
+          has_only_spheres(a)};
 }
 
 void share_out(Assembly& whole, std::unique_ptr<Assembly> part, RankTeam& team) {

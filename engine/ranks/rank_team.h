@@ -29,6 +29,7 @@ struct PartSetup {
   /// Bodies that act on each other wherever they are: ends of springs.
   std::vector<std::pair<BodyId, BodyId>> tied{};
   std::function<void(RankMessages&)> help{};  ///< with what process 0 solves (RankMessages::together)
+  bool only_spheres = false;                  ///< among half-spaces that stand still
 };
 
 class RankTeam {

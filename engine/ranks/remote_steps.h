@@ -1,11 +1,12 @@
 /// @file remote_steps.h  Steps made by several processes, each with a part of the bodies. The simulation of process 0
-/// holds all bodies between steps whenever files, events, sorts or what observes single bodies need them: these know
-/// one process only. What is summed over bodies is summed where they are.
+/// holds the whole state between steps whenever checkpoints, events or sorts need it: these know one process only.
+/// Observers get the bodies as files show them. What is summed over bodies is summed where they are.
 #pragma once
 #include <array>
 #include <vector>
 
 #include "engine/step/domain.h"
+#include "engine/step/observer.h"
 #include "engine/step/report.h"
 #include "engine/step/totals.h"
 
@@ -50,9 +51,10 @@ class RemoteSteps {
   virtual void send(Simulation& whole) = 0;
   /// Their state comes into the simulation.
   virtual void fetch(Simulation& whole) = 0;
-  /// The contacts of the last step come into its workspace, and its bodies to where they are now: whatever else it
-  /// knows of them may be of an earlier step. in_pieces: in the order of ContactPieces, else in canonical order.
-  virtual void fetch_contacts(Simulation& whole, bool in_pieces) = 0;
+  /// What a step changes of bodies comes into the simulation, and into its workspace the contacts of the last step that
+  /// observers want: pieces in the order of ContactPieces, all in canonical order. Whatever else it knows may be of an
+  /// earlier step.
+  virtual void fetch_seen(Simulation& whole, ContactView contacts) = 0;
   /// Of the present state, before it is fetched.
   virtual RemoteTotals totals(bool overlaps) = 0;
   /// What stiffness_bound gives over all of them for steps of dt [s] with the contacts of the last one; infinite where

@@ -27,6 +27,11 @@ class SharedModel {
   /// Where the first half of the next step is done (ContactModel::is_ahead): the bodies in it, ghosts as their contacts
   /// of this process alone move them.
   virtual Extent begun() const { return {}; }
+  /// From now on forces of steps that run on are told only where these bodies may need them; else what contacts read is
+  /// in the states (BodyState::predicted). Returns whether that is so. only_spheres: as PartSetup has it.
+  virtual bool tells_states(bool /*only_spheres*/) { return false; }
+  /// The states have come with the bodies, in the middle of a step.
+  virtual void take_states() {}
   /// Ghosts are where their owners have them in that step.
   virtual void take_ghosts(World&, std::span<const Slot>) {}
 };

@@ -119,8 +119,8 @@ std::optional<Failure> Simulation::look_at_step() {
   const auto look = [&](const StepView& now) { failure = step_watch->look(now); };
   if (!away_.stepped) {
     show_contacts(ContactView::pieces, false, look);
-  } else {  // it asks for contacts and places alone: the state of all bodies may stay away
-    remote->fetch_contacts(*this, true);
+  } else {
+    remote->fetch_seen(*this, ContactView::pieces);
     look({world, work.contacts, work.pairs, work.report, ledger, steps_, time_step, movable_, false, nullptr});
   }
   return failure;
@@ -204,7 +204,7 @@ std::optional<Failure> Simulation::make_remote_step(double dt, bool sort, bool r
   ledger.add(work.report, dt * world.gravity.norm());
   if (sound) return std::nullopt;
   come_home();
-  remote->fetch_contacts(*this, false);
+  remote->fetch_seen(*this, ContactView::all);
   return look_at_strays();
 }
 
@@ -342,9 +342,8 @@ void Simulation::observe(bool last, bool watched) {
       totals_ = all.bodies;
       if (sums) overlaps_ = all.overlaps;
     }
-    // before the state comes home: what models keep by themselves is in one set with all others then
-    if (watched || contacts >= ContactView::pieces) remote->fetch_contacts(*this, contacts != ContactView::all);
-    if (bodies || contacts >= ContactView::pieces) come_home();
+    const ContactView seen = watched ? std::max(contacts, ContactView::pieces) : contacts;
+    if (bodies || seen >= ContactView::pieces) remote->fetch_seen(*this, seen);
   }
   if (energy) ledger.measure(totals_);
   show_contacts(contacts, last, [&](StepView now) {
@@ -358,10 +357,7 @@ void Simulation::observe(bool last, bool watched) {
 void Simulation::show_contacts(ContactView needed, bool last, const std::function<void(const StepView&)>& show) {
   const ContactModel* model = pipeline.contact_model.get();
   if (away_.stepped) {
-    if (needed >= ContactView::pieces) {
-      remote->fetch_contacts(*this, needed != ContactView::all);
-      come_home();
-    }
+    if (needed >= ContactView::pieces) remote->fetch_seen(*this, needed);
     model = nullptr;  // all are in the set
   } else if (needed == ContactView::all) {
     pipeline.contact_model->publish(world, work.contacts);

@@ -26,25 +26,26 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FIGURES = ROOT / "docs" / "performance"
-ROW = 120            # bytes of a ghost in a step: position, velocity, spin, force, torque
+ROW = 128            # bytes of a ghost in a step: its state
 WHOLE = 500          # bytes of a sphere that process 0 holds, and that come and go at a sort
 REACH = 1.55         # of a diameter: both radii and twice the margin of half a radius
 HALF_GHOST = 0.5     # of the work for an own body
 SORT_INTERVAL = 1000
 PACKING = 0.37       # volume of spheres over volume of the box that they fill, of the bed as it begins
 ASPECT = (1.0, 1.0, 1.62)
+SCALE = (1.0, 1.0, 0.2)  # as ranks/territory.cpp cuts
 WORK = ("integrate", "broad_phase", "narrow_phase", "contact")  # stages of a process's own steps in summary.json
 
 
 def boxes(size, ranks):
-    """Sides and corners of the parts: the longest side is cut, in proportion to the ranks of both halves."""
+    """Corners of the parts: the longest side is cut, in proportion to the ranks of both halves; heights count less."""
     parts = []
 
     def cut(low, high, count):
         if count == 1:
             parts.append((low, high))
             return
-        axis = max(range(3), key=lambda k: high[k] - low[k])
+        axis = max(range(3), key=lambda k: SCALE[k] * (high[k] - low[k]))
         first = count // 2
         at = low[axis] + (high[axis] - low[axis]) * first / count
         middle_high, middle_low = list(high), list(low)

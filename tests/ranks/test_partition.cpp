@@ -82,6 +82,31 @@ TEST_CASE("a cube deep in a part meets that part alone") {
   CHECK(deep > 500);  // it is no use where it says so too rarely
 }
 
+TEST_CASE("lengths that count for less are cut less; parts and cubes are where they are") {
+  Random random(19, 4);
+  for (int draw = 0; draw < 6; ++draw) {
+    const auto all = random_points(800, static_cast<std::uint64_t>(30 + draw));
+    Vec3 scale = Vec3::Ones();
+    const int flat = draw % 3;
+    scale[flat] = random.uniform(1e-4, 1e-3);  // of at most three cuts none is along it
+    Partition partition;
+    partition.cut(rank_number() == 0 ? std::span<const Vec3>(all) : std::span<const Vec3>(), {}, scale);
+    CHECK(partition.cut_axes()[flat] == 0.0);
+    CHECK((partition.cut_axes().sum() > 0.0) == (rank_count() > 1));
+    std::vector<int> near;
+    for (const Vec3& x : all) {
+      const double half = random.uniform(0.0, 0.3);
+      const int owner = partition.owner(x);
+      near.clear();
+      partition.ranks_near(x, half, near);
+      CHECK(std::ranges::find(near, owner) != near.end());
+      if (partition.is_deep(x, half, owner)) CHECK(near == std::vector{owner});
+      const Vec3 aside = x + random.uniform(-50, 50) * Vec3(Vec3::Unit(flat));  // no way along it leads elsewhere
+      CHECK(partition.owner(aside) == owner);
+    }
+  }
+}
+
 TEST_CASE("a box meets the parts of all points in it, far outside too") {
   const auto all = random_points(500, 11);
   Partition partition;

@@ -250,9 +250,9 @@ class Sharing final : public RemoteSteps {
     order(1);
     part_.give(&whole);
   }
-  void fetch_contacts(Simulation& whole, bool in_pieces) override {
-    order(in_pieces ? 5 : 2);
-    part_.give_contacts(&whole, in_pieces);
+  void fetch_seen(Simulation& whole, ContactView contacts) override {
+    order(contacts == ContactView::all ? 5 : contacts == ContactView::pieces ? 2 : 10);
+    part_.give_seen(&whole, contacts);
   }
   RemoteTotals totals(bool overlaps) override {
     order(overlaps ? 7 : 6);
@@ -279,7 +279,9 @@ class Sharing final : public RemoteSteps {
       broadcast(&what, sizeof what);
       if (what == 0) part.receive(nullptr);
       if (what == 1) part.give(nullptr);
-      if (what == 2 || what == 5) part.give_contacts(nullptr, what == 5);
+      if (what == 5) part.give_seen(nullptr, ContactView::all);
+      if (what == 2) part.give_seen(nullptr, ContactView::pieces);
+      if (what == 10) part.give_seen(nullptr, ContactView::none);
       if (what == 3 || what == 4) {
         part.step(dt, std::nullopt, what == 4, report);
         lists.note(mine);
@@ -303,7 +305,10 @@ void compare(bool fused, bool shaken, int steps) {
                         [](std::uint32_t) { return false; },
                         1,
                         {},
-                        {}};
+                        {},
+                        {},
+                        {},
+                        fused && !shaken};
   Part part(*mine.simulation, setup);
   if (rank_number() != 0) return Sharing::follow(*mine.simulation, part);
   Box alone(fused, shaken), shared(fused, shaken);

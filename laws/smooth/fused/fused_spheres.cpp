@@ -91,7 +91,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       release(radius_);
     }
     // reads the force of the last step: before the generic loop writes
-    const bool predicts = !predicted_ || (balls && !blocks_.balls().placed());
+    const bool predicts = !(predicted_ || std::exchange(has_states_, false)) || (balls && !blocks_.balls().placed());
     if (predicts)
       parallel_blocks(world.size(), blocks_.block_size(), [&](std::size_t begin, std::size_t end, std::size_t) {
         predict_bodies(world, lag(clock), blocks_.late_spins_of_bodies(), begin, end);
@@ -164,11 +164,15 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     blocks_.balls().add_virial(world, virial.balls);
   }
   Extent begun() const override { return seen(); }
+  bool tells_states(bool only_spheres) override { return tells_states_ = only_spheres && !law_.needs.damps_slip(); }
+  void take_states() override { has_states_ = true; }
   void take_ghosts(World& world, std::span<const Slot> ghosts) override {
     const Vec3 common = drift_.velocity_at(since_drift_ - 0.5 * dt_);
     for (const Slot s : ghosts) {
-      predict_bodies(world, lag_, blocks_.late_spins_of_bodies(), s, s + 1);
-      blocks_.balls().place(world, lag_, blocks_.late_spins(), s, s + 1);
+      if (!tells_states_) {
+        predict_bodies(world, lag_, blocks_.late_spins_of_bodies(), s, s + 1);
+        blocks_.balls().place(world, lag_, blocks_.late_spins(), s, s + 1);
+      }
       if (!knows_displacements()) continue;
       double& longest = displacements_[s / blocks_.block_size()];
       longest = std::max(longest, dt_ * double{inverse_half_margin_[s]} * (world.velocity[s] - common).norm());
@@ -205,7 +209,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
             blocks_.plain(),
             touched(),
             knows_displacements() ? inverse_half_margin_.data() : nullptr,
-            tells_forces_ || !world.owner.empty(),  // ghosts and bodies that change processes go with theirs
+            tells_forces_ || !(world.owner.empty() || tells_states_),  // as they go to other processes
             drift_.velocity_at(since_drift_ + 0.5 * clock.dt),
             *clock.scheme,
             clock.dt,
@@ -261,12 +265,6 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     return all;
   }
 
-  /// Bodies of these places, of several processes.
-  bool all_are_here(std::size_t begin, std::size_t end) const {
-    const std::span<const std::uint8_t> owner = std::span(owner_).subspan(begin, end - begin);
-    return std::ranges::count(owner, World::here) == std::ssize(owner);
-  }
-
   /// What every block reads and writes; its own sums and moments come on top.
   SphereArrays arrays_of(const World& world, const StepClock& clock, bool tells_energy) {
     SphereArrays arrays{blocks_.planes().data(), all_states(world), 0, clock.dt, lag(clock), law_.damped, tells_energy};
@@ -305,7 +303,9 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       blocks_.clear_accumulator(accumulator);
       SphereArrays mine = arrays;
       const std::size_t first = blocks_.begin_of(i);
-      if (mine.owner != nullptr && all_are_here(first, blocks_.end_of(i))) mine.owner = nullptr;  // so it counts all
+      const auto count = static_cast<std::ptrdiff_t>(blocks_.end_of(i) - first);
+      if (mine.owner != nullptr && std::count(&owner_[first], &owner_[first] + count, World::here) == count)
+        mine.owner = nullptr;  // so it counts all
       mine.sums = reinterpret_cast<std::uintptr_t>(blocks_.sums(accumulator)) - first * sizeof(SphereSum);
       mine.nowhere = SpherePlace(static_cast<Slot>(first + blocks_.block_size()));
       mine.moments = reinterpret_cast<std::uintptr_t>(blocks_.moments(accumulator)) - first * sizeof(Lanes);
@@ -365,10 +365,8 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       report.elastic += block.elastic;
       viscous_power += block.viscous;
       if (dt > 0.0) lost.frictional += block.slipped;
-      if (law_.holds)
-        lost.adhesive += block.lost;  // bodies that touch at the start meet there
-      else if (dt > 0.0)
-        lost.plastic += block.lost;
+      // with adhesion bodies that touch at the start meet there
+      if (law_.holds || dt > 0.0) (law_.holds ? lost.adhesive : lost.plastic) += block.lost;
     }
     lost.viscous = 0.5 * dt * (viscous_power_ + viscous_power);
     viscous_power_ = viscous_power;
@@ -468,18 +466,19 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   std::vector<std::uint8_t> owner_;      ///< by place, where several processes share the bodies
   std::unique_ptr<ContactModel> generic_;
   bool others_ = false;
-  bool predicted_ = false;                         ///< the states say how fast the bodies are at the detection
-  UnwrittenColumn<double> radius_;                 ///< of bodies in new slots [m]; empty: they are known
-  std::size_t first_ = 0;                          ///< slot of the first of radius_
-  CommonMotion drift_;                             ///< beside which displacements are counted
-  double since_drift_ = 0.0;                       ///< it began so long ago [s]
-  std::span<const float> inverse_half_margin_;     ///< as SphereList::inverse_half_margin
-  bool tells_forces_ = true;                       ///< in every step; else in observed ones only
-  std::vector<Vec3> largest_inverse_half_margin_;  ///< by block: largest squares of velocity times that [1/s^2]
-  std::vector<double> displacements_;              ///< by block, of the step that has begun, over half the margin
-  bool ahead_ = false;                             ///< the first half of the next step is done
-  std::vector<std::uint8_t> is_touched_;           ///< by slot: with forces of the generic loop; empty: none is
-  std::vector<Extent> extents_, next_extents_;     ///< of this step and of the next one, by block
+  bool predicted_ = false;                          ///< the states say how fast the bodies are at the detection
+  UnwrittenColumn<double> radius_;                  ///< of bodies in new slots [m]; empty: they are known
+  std::size_t first_ = 0;                           ///< slot of the first of radius_
+  CommonMotion drift_;                              ///< beside which displacements are counted
+  double since_drift_ = 0.0;                        ///< it began so long ago [s]
+  std::span<const float> inverse_half_margin_;      ///< as SphereList::inverse_half_margin
+  bool tells_forces_ = true;                        ///< in every step; else in observed ones only
+  bool tells_states_ = false, has_states_ = false;  ///< to other processes in place of forces; from them, in a step
+  std::vector<Vec3> largest_inverse_half_margin_;   ///< by block: largest squares of velocity times that [1/s^2]
+  std::vector<double> displacements_;               ///< by block, of the step that has begun, over half the margin
+  bool ahead_ = false;                              ///< the first half of the next step is done
+  std::vector<std::uint8_t> is_touched_;            ///< by slot: with forces of the generic loop; empty: none is
+  std::vector<Extent> extents_, next_extents_;      ///< of this step and of the next one, by block
   Extent extent_;
   bool has_extent_ = false;
   double viscous_power_ = 0.0;      ///< of the dampers at the last call [W]
