@@ -280,8 +280,10 @@ std::unique_ptr<Assembly> assemble(Scene scene, const AssembleOptions& options) 
   a->shapes = std::make_shared<ShapeStore>();
   ShapeBuilder builder(a->scene, *a->shapes);
   a->plan = plan(a->scene, build_used(a->scene, builder), options.may_fuse);
-  if (a->plan.fused_spheres && !fuses_in_all_stages(a->scene))
+  if (a->plan.fused_spheres && !fuses_in_all_stages(a->scene)) {
     a->plan = plan(a->scene, build_used(a->scene, builder), false);
+    a->plan.without_fused_spheres = "stages whose contacts it does not take";
+  }
   a->simulation = std::make_unique<Simulation>(World(a->plan.columns), make_pipeline(*a), 0.0);
   Simulation& sim = *a->simulation;
   sim.world.gravity = a->scene.gravity;
@@ -302,6 +304,7 @@ std::unique_ptr<Assembly> assemble(Scene scene, const AssembleOptions& options) 
   add_springs(*a);
   add_removals(*a);
   a->warnings.insert(a->warnings.begin(), builder.warnings().begin(), builder.warnings().end());
+  for (const Problem& p : contact_problems(a->scene)) a->warnings.push_back(p);  // an error has ended it by now
   warn_of_distance(*a);
   refuse_missing_potential(*a);
   set_broad_phase(*a);

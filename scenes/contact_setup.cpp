@@ -17,15 +17,20 @@ NonsmoothSetup nonsmooth_setup(const Scene& scene) {
 
 }  // namespace
 
+std::vector<Problem> contact_problems(const Scene& scene) {
+  const ContactSettings& c = scene.contact;
+  if (c.method.value == Method::nonsmooth) return {};
+  auto problems = check_smooth(smooth_setup(scene));
+  for (Problem& p : problems) p.place = c.law.written() ? c.law.place : c.method.place;  // the default law has no line
+  return problems;
+}
+
 Needs contact_needs(const Scene& scene) {
   if (scene.contact.method.value == Method::nonsmooth) return nonsmooth_needs(nonsmooth_setup(scene));
-  const SmoothSetup setup = smooth_setup(scene);
-  auto problems = check_smooth(setup);
+  auto problems = contact_problems(scene);
   std::erase_if(problems, [](const Problem& p) { return p.level != Problem::Level::error; });
-  const ContactSettings& c = scene.contact;
-  for (Problem& p : problems) p.place = c.law.written() ? c.law.place : c.method.place;  // the default law has no line
   if (!problems.empty()) throw SceneError(problems);
-  return smooth_needs(setup);
+  return smooth_needs(smooth_setup(scene));
 }
 
 std::unique_ptr<ContactModel> make_contact_model(const Scene& scene) {

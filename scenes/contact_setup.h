@@ -11,7 +11,10 @@ namespace epafi {
 /// The smooth law of the scene with its materials.
 SmoothSetup smooth_setup(const Scene& scene);
 
-/// What the chosen law or solver needs of the engine.
+/// Of the smooth law of the scene: what does not fit together, what is written and does nothing.
+std::vector<Problem> contact_problems(const Scene& scene);
+
+/// What the chosen law or solver needs of the engine; throws SceneError where parts do not fit together.
 Needs contact_needs(const Scene& scene);
 
 /// The chosen law or solver; throws SceneError where parts do not fit together.

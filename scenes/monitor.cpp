@@ -219,6 +219,22 @@ void RunMonitor::look_at_momentum(const StepView& view) {
   momentum_error_ = momentum_.error;
 }
 
+/// What bodies bring and take is no error.
+void RunMonitor::shift_momentum(const World& w, Slot s, double sign) {
+  if (momentum_.started == 0 || !w.is_movable(s)) return;
+  const Vec3 p = sign / w.inverse_mass[s] * (w.velocity[s] - w.fallen);
+  for (int k = 0; k < 3; ++k) momentum_.start[k] += p[k];
+}
+
+void RunMonitor::bodies_come(const World& world, std::size_t first) {
+  for (std::size_t s = first; s < world.size(); ++s) shift_momentum(world, static_cast<Slot>(s), 1.0);
+}
+
+void RunMonitor::bodies_leave(const World& world, std::span<const BodyId> bodies) {
+  for (const BodyId id : bodies)
+    if (const Slot s = world.slot_of(id); s != no_slot) shift_momentum(world, s, -1.0);
+}
+
 double RunMonitor::value_of(std::size_t i, const StepView& view) {
   const BoundSpec& b = bounds_[i];
   const World& w = view.world;

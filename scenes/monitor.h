@@ -52,6 +52,8 @@ class RunMonitor final : public Observer {
     return last || step % interval_ == 0 ? ContactView::overlaps : ContactView::none;
   }
   void observe(const StepView& view) override;
+  void bodies_come(const World& world, std::size_t first) override;
+  void bodies_leave(const World& world, std::span<const BodyId> bodies) override;
   /// After the last step of a run that is cut off: warns of a balance that has opened since the last look.
   void report_balance(const StepView& view) { watch_energy(view); }
   void visit(StateVisitor& visitor) override;
@@ -62,7 +64,11 @@ class RunMonitor final : public Observer {
   /// Of bounds on measures: its last value, NaN where there is none.
   void read_measures(std::function<double(const Condition&)> value) { measured_ = std::move(value); }
   /// Where gravity or stiffness change the stored energy jumps, and the ledger accepts it; the watch counts from there.
-  void begin_stage() { energy_.begin_stage(); }
+  /// So does that of momentum: bodies come and go, and what drives them changes.
+  void begin_stage() {
+    energy_.begin_stage();
+    momentum_.started = 0;
+  }
   /// Of [bounds]: worst value of the whole run.
   std::vector<BoundCheck> checks() const {
     std::vector<BoundCheck> out(checks_.begin(), checks_.begin() + static_cast<std::ptrdiff_t>(stopping_));
@@ -92,6 +98,7 @@ class RunMonitor final : public Observer {
   template <class Relative>
   void warn_of_overlap(const StepView& view, const Relative& relative);
   void look_at_momentum(const StepView& view);
+  void shift_momentum(const World& world, Slot body, double sign);
   void check(const StepView& view, bool all);
   void check_measure(std::size_t bound, const StepView& view);
   double value_of(std::size_t bound, const StepView& view);

@@ -349,7 +349,7 @@ void add_stream(Assembly& a, ShapeBuilder& builder, const FillSpec& fill, const 
     if (spec.absent) continue;
     const BuiltShape shape = builder.build(spec.shape, f.size);
     if (((fill.region.max - fill.region.min).array() < 2 * shape.radius).any())
-      throw SceneError("[[fill]]: a body is larger than the region it is poured into", fill.place);
+      throw SceneError("[[fill]] '" + fill.name + "': a body is larger than the region it is poured into", fill.place);
     const Body body = make_body(a, shape, spec, fill.place);
     drive(a, id, spec, spec.position);
     stream.setup.bodies.push_back({body, id, stream.time, shape.radius});
@@ -426,7 +426,8 @@ void add_fills(Assembly& a, ShapeBuilder& builder, const KnownFills& known, bool
     require_memory(a, fill, shapes);
     const FillResult result = places_known ? place_bodies(a, builder, fill, shapes, placing) : generate(fill, shapes);
     if (!result.shortfall.empty())
-      throw SceneError("[[fill]]: " + result.shortfall + "; enlarge the region or ask for less", fill.place);
+      throw SceneError("[[fill]] '" + fill.name + "': " + result.shortfall + "; enlarge the region or ask for less",
+                       fill.place);
     put_in(a, builder, fill, result.bodies);
     if (fill.method != FillSpec::Method::pour)
       look_for_outsiders(a, "[[fill]] '" + fill.name + "'", a.fill_ids[i], fill.place);

@@ -36,6 +36,22 @@ std::string cost_table(const Scene& scene, const StepPlan& plan) {
                         place_text(scene, scene.detection.broad_phase.place));
 }
 
+/// Pairs that the loop of spheres leaves to the generic one, and why.
+std::string left_out_text(const Scene& scene, const StepPlan& plan) {
+  const auto is_round = [](const std::string& type) { return type == "sphere" || type == "clump"; };
+  std::string walls;
+  for (const ReachableCell& p : plan.pair_cells) {
+    const bool wall = is_round(p.a) != is_round(p.b);
+    const std::string& other = is_round(p.a) ? p.b : p.a;
+    if (wall && other != "half_space") walls += fmt::format("{}{}-{}", walls.empty() ? "" : ", ", p.a, p.b);
+  }
+  if (!walls.empty()) walls += ": a body of other shape than a fixed half-space; ";
+  const bool driven = std::ranges::any_of(scene.bodies, [&](const BodySpec& b) {
+    return !b.fixed && !b.absent && scene.shapes[b.shape].type == "half_space";
+  });
+  return walls + (driven ? "half-spaces that are driven; " : "");
+}
+
 std::string sphere_loop_text(const Scene& scene, const StepPlan& plan) {
   if (!plan.fused_spheres)
     return plan.without_fused_spheres.empty()
@@ -44,8 +60,8 @@ std::string sphere_loop_text(const Scene& scene, const StepPlan& plan) {
   const bool has_clumps =
       std::ranges::any_of(scene.shapes, [](const ShapeSpec& shape) { return balls_of_clump(shape) > 0; });
   return fmt::format(
-      " loop of spheres: contacts among {}spheres{} and with fixed half-spaces; all other pairs: generic loop\n",
-      plan.fused_held ? "" : "free ", has_clumps ? ", balls of clumps" : "");
+      " loop of spheres: contacts among {}spheres{} and with fixed half-spaces; generic loop: {}all other pairs\n",
+      plan.fused_held ? "" : "free ", has_clumps ? ", balls of clumps" : "", left_out_text(scene, plan));
 }
 
 std::string memory_text(const MemoryPlan& m, const ShapeStore& shapes) {

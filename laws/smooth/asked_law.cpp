@@ -2,6 +2,10 @@
 
 namespace epafi {
 
+bool asks_for_restitution(const std::string& normal) {
+  return with_law(NormalLaws{}, normal, [](auto n) { return uses_restitution<typename decltype(n)::type>; });
+}
+
 AskedLaw asked_law(const std::string& normal, const MaterialPair& pair) {
   return with_law(NormalLaws{}, normal, [&](auto n) {
     using Law = typename decltype(n)::type;

@@ -20,6 +20,9 @@ struct AskedLaw {
   }
 };
 
+/// `restitution` sets the damper of that normal law; where not, the law asks for a parameter of its own.
+bool asks_for_restitution(const std::string& normal);
+
 /// Of a pair of materials that occurs; normal: a name of all_normal_laws().
 AskedLaw asked_law(const std::string& normal, const MaterialPair& pair);
 

@@ -108,14 +108,37 @@ void check_restitution(const std::string& law, const MaterialPair& pair, std::ve
               " for a restitution of " + std::to_string(pair.restitution) +
               " at its reference_speed; 'hunt-crossley' returns what is asked");
   }
-  if (!uses_restitution<N> && pair.restitution < 1.0)
+  const bool has_dashpot = std::is_same_v<N, PowerLaw> && pair.parameters.has("damping");
+  if ((!uses_restitution<N> || has_dashpot) && pair.restitution < 1.0)
     add(out, Problem::Level::warning,
         where + ": restitution " + std::to_string(pair.restitution) + " is not used by law '" + law +
             "', whose restitution depends on the speed");
-  else if (pair.restitution < least)
+  else if (least > minimum_restitution && pair.restitution < least)
     add(out, Problem::Level::warning,
         where + ": restitution " + std::to_string(pair.restitution) + " would need more damping than law '" + law +
             "' is set for; it acts as " + std::to_string(least));
+}
+
+/// Names of the laws whose normal part has P.
+template <class P>
+std::string laws_that(const P& has) {
+  std::string all;
+  for (const NamedLaw& law : named_laws)
+    if (with_law(NormalLaws{}, law.normal, has)) all += (all.empty() ? "" : ", ") + std::string(law.name);
+  return all;
+}
+
+/// Keys that the law passes over.
+void check_unused(const SmoothSetup& setup, const SmoothParts& parts, std::vector<Problem>& out) {
+  const auto locates = [](auto n) { return PowerParts<typename decltype(n)::type>; };
+  if (parts.locate && !with_law(NormalLaws{}, parts.normal, locates))
+    add(out, Problem::Level::warning,
+        "locate_edges is not used by law '" + setup.law + "'; laws that have it: " + laws_that(locates));
+  if (any_pair(setup.materials, [](const MaterialPair& p) {
+        return p.parameters.has("stiffness") && p.parameters.has("calibration_overlap");
+      }))
+    add(out, Problem::Level::warning,
+        "calibration_overlap and calibration_force are not used where stiffness is written; leave one out");
 }
 
 void check_materials(const SmoothSetup& setup, const SmoothParts& parts, std::vector<Problem>& out) {
@@ -185,6 +208,7 @@ std::vector<Problem> check_smooth(const SmoothSetup& setup) {
   const SmoothParts parts = smooth_parts(setup);
   check_combination(setup, parts, out);
   check_materials(setup, parts, out);
+  check_unused(setup, parts, out);
   return out;
 }
 

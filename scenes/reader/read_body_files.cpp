@@ -130,8 +130,13 @@ void Rows::enter_group() {
   if (name.empty() || groups.back().name == name) return;
   const Place& place = row.at("group").place;
   check_group_name(draft, name, place);
-  if (groups.back().count == 0) groups.pop_back();
-  groups.push_back({name, draft.scene.bodies.size(), 0, place, {1}});
+  GroupSpec group = groups.back();  // of the same file: the group that both belong to, the stage
+  if (group.count == 0) groups.pop_back();
+  group.name = name;
+  group.place = place;
+  group.first = draft.scene.bodies.size();
+  group.count = 0;
+  groups.push_back(std::move(group));
 }
 
 std::optional<BodySpec> Rows::body() {
@@ -217,6 +222,28 @@ std::optional<std::string> ending_of(Reading& reading, const std::string& path, 
   return std::nullopt;
 }
 
+/// Each group of a file by itself: any of them may be one of the run that the scene starts from.
+void settle_groups(Draft& draft, std::size_t first) {
+  auto& groups = draft.scene.groups;
+  auto& bodies = draft.scene.bodies;
+  if (first + 1 == groups.size()) return settle_imported(draft);
+  const std::vector<GroupSpec> own(groups.begin() + static_cast<std::ptrdiff_t>(first), groups.end());
+  auto row = bodies.begin() + static_cast<std::ptrdiff_t>(own.front().first);
+  std::vector<BodySpec> rows(std::make_move_iterator(row), std::make_move_iterator(bodies.end()));
+  bodies.erase(row, bodies.end());
+  groups.resize(first);
+  row = rows.begin();
+  for (GroupSpec group : own) {
+    group.first = bodies.size();
+    for (std::size_t k = 0; k < group.count; ++k) {
+      row->group = groups.size();
+      bodies.push_back(std::move(*row++));
+    }
+    groups.push_back(std::move(group));
+    settle_imported(draft);
+  }
+}
+
 void read_file(Draft& draft, const Node& item) {
   Reading& reading = draft.reading;
   const std::string label = item_label("bodies", item);
@@ -238,6 +265,7 @@ void read_file(Draft& draft, const Node& item) {
   const auto ending = ending_of(reading, path, place, label);
   if (!ending) return;
   reading.files.push_back(path);
+  const std::size_t first_group = draft.scene.groups.size();
   draft.scene.groups.push_back({name, draft.scene.bodies.size(), 0, item.place, {1}});
   draft.scene.groups.back().group = values.has("group") ? values.text("group") : "";
   draft.scene.groups.back().stage = item.stage;
@@ -256,7 +284,7 @@ void read_file(Draft& draft, const Node& item) {
     }
   }
   displace(draft.scene, first, values.number("jitter"));
-  if (reading.errors() == errors) settle_imported(draft);
+  if (reading.errors() == errors) settle_groups(draft, first_group);
 }
 
 }  // namespace

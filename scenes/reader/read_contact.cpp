@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "laws/smooth/asked_law.h"
+#include "laws/smooth/make_smooth_contact.h"
 #include "scenes/reader/parts.h"
 
 namespace epafi {
@@ -48,6 +50,22 @@ void warn_of_unused(Reading& reading, const std::string& table, const char* meth
     reading.warning(node->place, "[" + table + "] is not used by method '" + method + "'");
 }
 
+/// Of the parts that the names come to where bodies rub and roll: an entry of a normal law has those of its companions
+/// too. A tangential_damping that none has is an error of its own (check_smooth).
+std::vector<Field> fields_of_parts(const Registry& registry, const LawChoice& chosen) {
+  MaterialPair rough;
+  rough.friction = rough.rolling_friction = 1.0;
+  const SmoothParts parts = smooth_parts({chosen.law, chosen.tangential, chosen.rolling, {1, {rough}}});
+  const auto of = [](const std::vector<Entry>& entries, const std::string& name) {
+    const Entry* entry = find_entry(entries, name);
+    return entry ? entry->fields : std::vector<Field>{};
+  };
+  const auto companions = united_fields(registry.tangential_laws) + united_fields(registry.rolling_laws);
+  std::vector<Field> own = of(registry.normal_laws, chosen.law);
+  std::erase_if(own, [&](const Field& f) { return f.name != "tangential_damping" && contains(companions, f.name); });
+  return own + of(registry.tangential_laws, parts.tangential) + of(registry.rolling_laws, parts.rolling);
+}
+
 Laws read_smooth(Draft& draft, bool active) {
   Reading& reading = draft.reading;
   const auto& registry = reading.registry;
@@ -74,9 +92,7 @@ Laws read_smooth(Draft& draft, bool active) {
   contact.rolling = values.placed_text("rolling");
   contact.locate_edges = values.boolean("locate_edges");
   Laws laws{{contact.law.value, contact.tangential.value, contact.rolling.value}, words, {}};
-  laws.used = (contact.law.value.empty() ? std::vector<Field>{} : fields_of(registry.normal_laws, contact.law.value)) +
-              fields_of(registry.tangential_laws, contact.tangential.value) +
-              fields_of(registry.rolling_laws, contact.rolling.value);
+  laws.used = fields_of_parts(registry, laws.chosen);
   keep_used(values, laws.used, {"law", "tangential", "rolling", "locate_edges"}, contact.smooth,
             active ? "law '" + contact.law.value + "'" : "", reading);
   return laws;
@@ -163,13 +179,33 @@ void read_pairs(Draft& draft, const Laws& laws) {
   });
 }
 
-void warn_rolling(Draft& draft) {
-  auto& contact = draft.scene.contact;
-  if (contact.method.value == Method::smooth) return;
-  const std::string text = "rolling_friction is not used by method 'nonsmooth'";
-  if (contact.rolling_friction.value > 0.0) draft.reading.warning(contact.rolling_friction.place, text);
+/// Where a coefficient is above 0: its key in [contact], then the pairs that have one of their own.
+std::vector<Place> places_above_zero(const ContactSettings& contact, Placed<double> ContactSettings::*common,
+                                     std::optional<double> PairSpec::*own) {
+  std::vector<Place> places;
+  if ((contact.*common).value > 0.0) places.push_back((contact.*common).place);
   for (const auto& pair : contact.pairs)
-    if (pair.rolling_friction.value_or(0.0) > 0.0) draft.reading.warning(pair.place, text);
+    if ((pair.*own).value_or(0.0) > 0.0) places.push_back(pair.place);
+  return places;
+}
+
+/// Coefficients and the laws that use them.
+void warn_idle(Draft& draft) {
+  const auto& contact = draft.scene.contact;
+  const bool smooth = contact.method.value == Method::smooth;
+  const auto warn = [&](const std::vector<Place>& places, const std::string& text) {
+    for (const Place& place : places) draft.reading.warning(place, text);
+  };
+  const auto rolling = places_above_zero(contact, &ContactSettings::rolling_friction, &PairSpec::rolling_friction);
+  if (!smooth) return warn(rolling, "rolling_friction is not used by method 'nonsmooth'");
+  if (contact.rolling.value == "none") warn(rolling, "rolling_friction is not used by rolling law 'none'");
+  if (contact.tangential.value == "none")
+    warn(places_above_zero(contact, &ContactSettings::friction, &PairSpec::friction),
+         "friction is not used by tangential law 'none'");
+  const bool rolls = contact.rolling.written() && contact.rolling.value != "none";
+  if (rolls && rolling.empty() && !contact.rolling_friction.written())
+    draft.reading.warning(contact.rolling.place, "rolling law '" + contact.rolling.value +
+                                                     "' does nothing where no pair has a rolling_friction");
 }
 
 /// How many bodies a material has.
@@ -254,14 +290,14 @@ void read_contact(Draft& draft) {
   read_nonsmooth(draft, !smooth);
   read_wheel_rail(draft, smooth);
   read_pairs(draft, laws);
-  warn_rolling(draft);
+  warn_idle(draft);
 }
 
 void check_pairs(Draft& draft) {
   Reading& reading = draft.reading;
   if (reading.errors() > 0) return;  // bodies or materials may be missing: what follows from that is noise
   check_densities(draft);
-  const auto& contact = draft.scene.contact;
+  auto& contact = draft.scene.contact;
   if (!reading.root.find("contact")) {
     bool touching = false;
     each_touching_pair(draft.scene, [&](std::size_t, std::size_t) { touching = true; });
@@ -271,15 +307,19 @@ void check_pairs(Draft& draft) {
     return;
   }
   const std::string why = "it must be written where bodies can touch (0 is fine)";
-  if (!contact.restitution.written())
+  const bool smooth = contact.method.value == Method::smooth;
+  const std::string normal = smooth_parts({contact.law.value, "", "", {}, false}).normal;
+  const bool asks = !smooth || !find_entry(all_normal_laws(), normal) || asks_for_restitution(normal);
+  if (!asks && !contact.restitution.written()) contact.restitution.value = 1.0;  // no damper beside that of the law
+  if (asks && !contact.restitution.written())
     require_for_pairs(draft, "restitution", "contact", why,
                       [](const PairSpec& p) { return p.restitution.has_value(); });
   if (!contact.friction.written())
     require_for_pairs(draft, "friction", "contact", why, [](const PairSpec& p) { return p.friction.has_value(); });
-  if (contact.method.value != Method::smooth) return;
+  if (!smooth) return;
   const Entry* law = find_entry(reading.registry.normal_laws, contact.law.value);
   for (const auto& field : law ? law->fields : std::vector<Field>{}) {
-    if (field.optional || contact.smooth.has(field.name)) continue;
+    if (field.optional || field.default_value || contact.smooth.has(field.name)) continue;
     require_for_pairs(draft, field.name, "contact.smooth", "law '" + law->name + "' needs it",
                       [&](const PairSpec& p) { return p.parameters.has(field.name); });
   }

@@ -94,7 +94,9 @@ void read_pouring(Reading& reading, const TableValues& v, const std::string& lab
   fill.rate = v.number_or("rate", 0.0);
   fill.mass_rate = v.number_or("mass_rate", 0.0);
   fill.from = v.number_or("from", 0.0);
-  if (v.meant("rate") + v.meant("mass_rate") != 1)
+  if (v.meant("rate") && v.meant("mass_rate"))
+    reading.error(v.place, label + ": rate and mass_rate both say how fast bodies come; keep one");
+  else if (!v.meant("rate") && !v.meant("mass_rate"))
     reading.error(v.place, label + ": method 'pour' needs rate (1/s) or mass_rate (kg/s)");
   if (fill.full) reading.error(v.place, label + ": method 'pour' needs count or mass, a region never gets full");
 }

@@ -48,15 +48,17 @@ void read_parts(Draft& draft) {
   }
 }
 
+bool is_known(const std::vector<Problem>& all, const Problem& p) {
+  return std::any_of(all.begin(), all.end(), [&](const Problem& q) {
+    return q.text == p.text && q.place.file == p.place.file && q.place.line == p.place.line &&
+           q.place.column == p.place.column;
+  });
+}
+
 /// Problems of all stages, each reported once.
 void append_new(std::vector<Problem>& all, const std::vector<Problem>& more) {
-  for (const Problem& p : more) {
-    const bool known = std::any_of(all.begin(), all.end(), [&](const Problem& q) {
-      return q.text == p.text && q.place.file == p.place.file && q.place.line == p.place.line &&
-             q.place.column == p.place.column;
-    });
-    if (!known) all.push_back(p);
-  }
+  for (const Problem& p : more)
+    if (!is_known(all, p)) all.push_back(p);
 }
 
 /// What all stages are read from.
@@ -68,7 +70,19 @@ struct StageSource {
   ReadOptions options;
   std::shared_ptr<MadeRun> made{};   ///< that the scene starts from
   std::vector<std::string> files{};  ///< read so far
+  std::vector<Problem> found{};      ///< of the stages read so far, before any was blamed
 };
+
+/// What a stage does to tables above it is found there, but it is the stage that has to be mended. Its own tables name
+/// their lines.
+void blame_stage(const Node& stage, std::size_t number, std::vector<Problem>& problems) {
+  for (Problem& p : problems) {
+    const bool own = p.place.file != stage.place.file || p.place.line >= stage.place.line;
+    if (own || p.level != Problem::Level::error || p.text.starts_with("[[stage]]")) continue;
+    p.text = stage_label(stage, number) + ": " + p.text;
+    p.place = stage.place;
+  }
+}
 
 /// One stage; the scene is empty where it has an error.
 std::optional<Scene> read_stage_of(StageSource& from, std::size_t stage, std::vector<Problem>& problems) {
@@ -93,10 +107,14 @@ std::optional<Scene> read_stage_of(StageSource& from, std::size_t stage, std::ve
   check_top(reading);
   reading.check_params();
   read_parts(draft);
+  const bool sound = whole && reading.errors() == 0;
+  std::erase_if(reading.problems, [&](const Problem& p) { return is_known(from.found, p); });
+  append_new(from.found, reading.problems);
+  if (stage > 0) blame_stage(from.stages[stage], stage, reading.problems);
   append_new(problems, reading.problems);
   for (const std::string& file : reading.files)
     if (std::ranges::find(from.files, file) == from.files.end()) from.files.push_back(file);
-  return whole && reading.errors() == 0 ? std::optional(std::move(draft.scene)) : std::nullopt;
+  return sound ? std::optional(std::move(draft.scene)) : std::nullopt;
 }
 
 /// For whoever goes through the stages later.

@@ -136,8 +136,9 @@ std::optional<Value> read_number_or_word(const Node& node, const Key& key) {
       node.type == Node::Type::text && !node.text.empty() && std::isalpha(static_cast<unsigned char>(node.text[0]));
   if (words.empty() || !is_word) return read_number(node, key);
   if (std::find(words.begin(), words.end(), node.text) != words.end()) return node.text;
-  key.reading.error(node.place,
-                    fmt::format("{}: expected a number or \"{}\", found '{}'", key.label, words.front(), node.text));
+  std::string known;
+  for (const std::string& word : words) known += fmt::format("{} \"{}\"", word != words.back() ? "," : " or", word);
+  key.reading.error(node.place, fmt::format("{}: expected a number{}, found '{}'", key.label, known, node.text));
   return std::nullopt;
 }
 

@@ -1,6 +1,7 @@
 // Hollow tubes and cones as walls of whole runs: periods, energies, drums, hoppers, bits.
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "engine/threads/parallel.h"
 #include "tests/support/catch.h"
@@ -140,5 +141,34 @@ TEST_CASE("a hopper of a tube on a cone loses no ball", "[physics][hollow]") {
       CHECK(p.z() > -0.06);
       CHECK(std::hypot(p.x(), p.y()) < 0.04);
     }
+  }
+}
+
+TEST_CASE("a ball that falls on the tip of a cone meets it once, whatever the cone and where it points",
+          "[physics][hollow]") {
+  std::mt19937 engine(11);
+  const auto draw = [&](double low, double high) { return std::uniform_real_distribution(low, high)(engine); };
+  for (int k = 0; k < 8; ++k) {
+    const double e = draw(0.3, 0.9), width = draw(0.02, 0.1), length = draw(0.02, 0.2), turn = 180.0 * (k % 2);
+    const std::string ends = k % 4 < 2 ? "open" : "closed", radii = std::to_string(width);
+    const std::string cone = k % 2 == 0 ? "[" + radii + ", 0]" : "[0, " + radii + "]";  // both point up
+    SceneRun run = start_text(
+        tube_head("duration = 0.01, time_step = 1e-6", "method = \"smooth\", restitution = " + std::to_string(e) +
+                                                           ", friction = 0, smooth = { law = \"hertz\" }") +
+            wall("cone = { radii = " + cone + ", length = " + std::to_string(length) + ", ends = \"" + ends + "\" }",
+                 "fixed = true\nposition = [0, 0, " + std::to_string(-0.5 * length) + "]\neuler_deg = [" +
+                     std::to_string(turn) + ", 0, 0]") +
+            "[[body]]\nname = \"ball\"\nmaterial = \"m\"\nshape = { sphere = { radius = 0.005 } }\nposition = [0, 0, "
+            "0.0052]\nvelocity = [0, 0, -0.5]\n",
+        {"world.gravity=[0,0,0]"});
+    INFO(cone << ' ' << ends << ' ' << turn << " e " << e);
+    std::size_t most = 0;
+    for (std::uint64_t n = 10; n <= 10000 && run.failure.empty(); n += 10) {
+      run.advance_to(n);
+      most = std::max(most, run.simulation().work.report.touching);
+    }
+    CHECK(most == 1);
+    const World& world = run.simulation().world;
+    CHECK(world.velocity[world.slot_of(BodyId{1})].z() == Approx(0.5 * e).epsilon(2e-3));
   }
 }

@@ -163,3 +163,41 @@ TEST_CASE("measures that look at every step are foretold", "[scenes][foretold]")
   CHECK(sparse < 1.5 * none);
   CHECK(one > 2.0 * none);
 }
+
+TEST_CASE("bodies that are taken out or poured in are no error of momentum", "[scenes][warnings]") {
+  std::mt19937 engine(5);
+  const auto draw = [&](double low, double high) { return std::uniform_real_distribution(low, high)(engine); };
+  // by a time, by an outlet, as they leave the domain, as a stage begins, by a source
+  const std::string box = "box = { min = [-2, -2, 0.5], max = [2, 2, 2] }";
+  const std::vector<std::string> ways{
+      "remove", "[[outlet]]\nname = \"out\"\nregion = { " + box + " }\n", "outside",
+      "[[stage]]\nname = \"one\"\nduration = 0.05\n[[stage]]\nname = \"two\"\nduration = 0.05\n"
+      "body.b = { remove = true }\n",
+      "[shape.g]\nsphere = { radius = 0.01 }\n[[fill]]\nname = \"rain\"\nshape = \"g\"\nmaterial = \"m\"\ncount = "
+      "5\nmethod = \"pour\"\nrate = 60\nvelocity = [1, 2, 0]\nregion = { box = { min = [0.6, 0, 0], max = [0.9, 0.3, "
+      "0.3] } }\n"};
+  for (std::size_t k = 0; k < ways.size(); ++k) {
+    INFO(ways[k]);
+    const TemporaryFolder folder;
+    const bool staged = k == 3, domain = k == 2;
+    std::ofstream file(folder / "scene.toml");
+    file << "run = { time_step = 1e-4, output_interval = 0.02" << (staged ? "" : ", duration = 0.1") << " }\n"
+         << "world = { gravity = [" << draw(-1, 1) << ", 0, -3]"
+         << (domain ? ", domain = { min = [-9, -9, -9], max = [9, 9, 0.6], outside = \"delete\" }" : "") << " }\n"
+         << "material.m = { density = 2500.0, youngs_modulus = 1e7, poissons_ratio = 0.3 }\n"
+         << "contact = { method = \"smooth\", restitution = 0.5, friction = 0.5 }\n";
+    for (const char* name : {"a", "b", "c"})
+      file << "[[body]]\nname = \"" << name << "\"\nshape = { sphere = { radius = 0.01 } }\nmaterial = \"m\"\n"
+           << "position = [" << draw(-0.5, 0.5) << ", " << draw(-0.5, 0.5) << ", " << (name[0] == 'b' ? 0.3 : 0.0)
+           << "]\nvelocity = [" << draw(-1, 1) << ", " << draw(-1, 1) << ", " << (name[0] == 'b' ? 6.0 : 0.0) << "]\n"
+           << (k == 0 && name[0] == 'b' ? "remove_at = 0.043\n" : "");
+    file << (k == 0 || domain ? "" : ways[k]);
+    file.close();
+    const Captured run = run_of(folder / "scene.toml", into(folder));
+    INFO(run.err);
+    REQUIRE(run.code == exit_done);
+    const FlatJson summary = read_json(folder / "out" / "summary.json");
+    CHECK(summary.number("bodies") == (k == 4 ? 8.0 : 2.0));
+    CHECK(summary.number("momentum_error").value() < 1e-12);
+  }
+}

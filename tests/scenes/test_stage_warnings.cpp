@@ -1,8 +1,10 @@
 // What is told of stages to come before they begin, and of scenes that a run goes on with.
 #include <filesystem>
 #include <fstream>
+#include <random>
 
 #include "scenes/cli/commands.h"
+#include "scenes/session.h"
 #include "scenes/stage_check.h"
 #include "tests/support/captured.h"
 #include "tests/support/catch.h"
@@ -97,4 +99,76 @@ TEST_CASE("a run is not continued with a scene or change whose conditions ask fo
   CHECK_THAT(refused.err, Catch::Contains("unknown component 'kinetc'"));
   changes.overrides = {"contact.friction=0.1"};  // the folder is as it was
   CHECK(told_by([&] { return command_resume(run.out, run, changes); }).code == exit_done);
+}
+
+namespace {
+
+struct ChangeOfLaw {
+  std::string law, key;
+  double low, high;
+};
+
+/// Balls that have fallen into a narrow box, by the loop of spheres or the generic one, and a change two steps before
+/// the end.
+std::string changed_bed(const ChangeOfLaw& change, bool fused, std::mt19937& engine) {
+  const auto draw = [&](double low, double high) { return std::uniform_real_distribution(low, high)(engine); };
+  std::string text =
+      "run = { time_step = 2e-5, output_interval = 0.1 }\nworld = { gravity = [" + std::to_string(draw(-2, 2)) +
+      ", 0, -9.81] }\nmaterial.m = { density = 2500.0, youngs_modulus = \"5 MPa\", poissons_ratio = 0.3 }\n"
+      "[contact]\nmethod = \"smooth\"\nrestitution = 0.2\nfriction = 0.5\nrolling_friction = 0.1\nsmooth = { " +
+      change.law + " }\n";
+  for (const char* wall : {"[0, 0, 1]", "[1, 0, 0]", "[-1, 0, 0]", "[0, 1, 0]", "[0, -1, 0]"})
+    text += std::string("[[body]]\nmaterial = \"m\"\nfixed = true\nshape = { half_space = { normal = ") + wall +
+            " } }\nposition = " +
+            (wall[1] == '-'   ? "[0.02, 0, 0]\n"
+             : wall[4] == '-' ? "[0, 0.02, 0]\n"
+                              : "[0, 0, 0]\n");
+  if (fused)
+    text +=
+        "[shape.g]\nsphere = { radius = 0.003 }\n[[fill]]\nshape = \"g\"\nmaterial = \"m\"\ncount = 27\nvelocity = "
+        "[0, 0, -1]\nregion = { box = { min = [0, 0, 0], max = [0.02, 0.02, 0.05] } }\n";
+  else
+    text +=
+        "[[body]]\nname = \"g\"\nrepeat = [3, 3, 3]\nshape = { sphere = { radius = 0.003 } }\nmaterial = "
+        "\"m\"\nvelocity "
+        "= [0, 0, -1]\nposition = [\"= 0.0035 + 0.0064*i + 0.0001*k\", \"= 0.0033 + 0.0063*j + 0.0002*k\", \"= 0.0035 "
+        "+ "
+        "0.0064*k + 0.0002*i\"]\n";
+  return text + "[[stage]]\nname = \"settle\"\nduration = 0.1\n[[stage]]\nname = \"change\"\nduration = 4e-5\n" +
+         change.key + " = " + std::to_string(draw(change.low, change.high)) + "\n";
+}
+
+double balance_of(const RunSummary::Energy& e) {
+  return e.kinetic + e.potential + e.elastic.value_or(0.0) + e.dissipated - e.work;
+}
+
+}  // namespace
+
+TEST_CASE("the ledger closes where a stage changes the law, as it does between steps", "[scenes][stages][warnings]") {
+  const std::string hertz = "law = \"hertz\"", linear = "law = \"linear\", stiffness = 3000.0";
+  const std::vector<ChangeOfLaw> changes{
+      {hertz, "contact.friction", 0.02, 0.2},
+      {hertz, "contact.rolling_friction", 0.002, 0.05},
+      {hertz, "material.m.youngs_modulus", 1e6, 2e7},
+      {linear, "contact.smooth.stiffness", 1000, 9000},
+      {linear, "contact.smooth.tangential_ratio", 0.1, 1.5},
+      {"law = \"walton-braun\", stiffness = 3000.0", "contact.friction", 0.02, 0.2},
+      {"law = \"jkr\", work_of_adhesion = 0.01", "contact.smooth.work_of_adhesion", 0.001, 0.05}};
+  std::mt19937 engine(4);
+  for (const ChangeOfLaw& change : changes)
+    for (const bool fused : {true, false}) {
+      const TemporaryFolder folder;
+      const std::string text = changed_bed(change, fused, engine);
+      INFO(text);
+      ReadResult read = read_scene_text(text, "s.toml", {}, full_registry());
+      REQUIRE(read.scene);
+      Session session(assemble(std::move(*read.scene)), {}, folder / "out");
+      SessionLimits limits;
+      limits.until = 0.1;
+      REQUIRE(session.run(limits, true) == Ending::until);
+      const RunSummary::Energy before = *session.summary().energy;
+      REQUIRE(session.run({}, true) == Ending::completed);
+      const double gap = std::abs(balance_of(*session.summary().energy) - balance_of(before));
+      CHECK(gap < 1e-3 * std::abs(before.elastic.value()));
+    }
 }

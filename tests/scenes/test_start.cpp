@@ -257,3 +257,81 @@ TEST_CASE("what contacts carry is not told as nothing where a scene starts from 
     CHECK(load.max == Approx(-weight).epsilon(1e-2));
   }
 }
+
+namespace {
+
+struct GroupedRows {
+  std::string text;
+  std::size_t count = 0;
+};
+
+/// A file of one to four groups; the rows of the first may name none.
+GroupedRows grouped_rows(Draw& draw) {
+  GroupedRows rows{"x,y,z,radius,group\n"};
+  const std::size_t groups = 1 + draw.engine() % 4;
+  const bool nameless = draw.engine() % 2 == 0;
+  for (std::size_t g = 0; g < groups; ++g)
+    for (std::size_t left = 1 + draw.engine() % 5; left > 0; --left, ++rows.count)
+      rows.text += fmt::format("{},{},{},{},{}\n", 0.5 * static_cast<double>(rows.count), draw(-0.1, 0.1),
+                               draw(-0.1, 0.1), draw(0.05, 0.2), nameless && g == 0 ? "" : fmt::format("g{}", g));
+  return rows;
+}
+
+}  // namespace
+
+TEST_CASE("bodies of a file are those of the run that a scene goes on from, whatever their groups",
+          "[scenes][start][restart]") {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    INFO("seed " << seed);
+    const TemporaryFolder folder;
+    Draw draw{std::mt19937(seed)};
+    const GroupedRows rows = grouped_rows(draw);
+    put(folder / "rows.csv", rows.text);
+    std::string head = started_head;
+    head.replace(head.find("<duration>"), 10, "duration = 0.05\n");
+    head.replace(head.find("<method>"), 8, seed % 2 ? "smooth" : "nonsmooth");
+    const std::string bodies = "[[bodies]]\nname = \"bed\"\nfile = \"rows.csv\"\nmaterial = \"m\"\n";
+    put(folder / "scene.toml", head + bodies);
+    put(folder / "next.toml", "[start]\nfrom = \"run\"\n" + head + bodies);
+    run_to(folder / "scene.toml", folder / "run");
+    const Places before(folder / "run");
+    REQUIRE(before.world().size() == rows.count);
+    for (const char* way : {"resume --scene", "[start]"}) {
+      INFO(way);
+      ReadOptions options;
+      if (way[0] == 'r') options.start_run = (folder / "run").string();
+      const fs::path file = folder / (way[0] == 'r' ? "scene.toml" : "next.toml");
+      ReadResult read = read_scene(file.string(), {}, full_registry(), options);
+      for (const Problem& p : read.problems) UNSCOPED_INFO(p.to_string());
+      REQUIRE(read.scene);
+      CHECK_FALSE(read.scene->changes_bodies);
+      const auto now = assemble(std::move(*read.scene));
+      const World& world = now->simulation->world;
+      REQUIRE(world.size() == rows.count);
+      for (const BodyId id : world.id) {
+        const Slot s = world.slot_of(id), t = before.world().slot_of(id);
+        CHECK(world.position[s] == before.world().position[t]);
+        CHECK(world.velocity[s] == before.world().velocity[t]);
+      }
+    }
+  }
+}
+
+TEST_CASE("every group of a file comes with the stage that names the file", "[scenes][start][stages]") {
+  Draw draw{std::mt19937(7)};
+  const TemporaryFolder folder;
+  const GroupedRows rows = grouped_rows(draw);
+  put(folder / "rows.csv", rows.text);
+  std::string head = started_head;
+  head.replace(head.find("<duration>"), 10, "");
+  head.replace(head.find("<method>"), 8, "smooth");
+  put(folder / "scene.toml", head +
+                                 "[[body]]\nname = \"ball\"\nshape = { sphere = { radius = 0.1 } }\nmaterial = "
+                                 "\"m\"\nposition = [0, 0, 9]\n[[stage]]\nname = \"one\"\nduration = 0.01\n"
+                                 "[[stage]]\nname = \"two\"\nduration = 0.01\n[[stage.bodies]]\nname = \"bed\"\n"
+                                 "file = \"rows.csv\"\nmaterial = \"m\"\n");
+  run_to(folder / "scene.toml", folder / "begin", 0.005);
+  CHECK(Places(folder / "begin").world().size() == 1);
+  run_to(folder / "scene.toml", folder / "end");
+  CHECK(Places(folder / "end").world().size() == 1 + rows.count);
+}

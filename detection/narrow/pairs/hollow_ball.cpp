@@ -53,13 +53,15 @@ struct HalfPlane {
     }
     const bool at_end = way > 0.0;
     const double rim = wall.radius_of_end(at_end);
+    if (sign < 0.0 && rim == 0.0) return;            // a tip, which the near half has
     if (wall.closed && sign * radius < rim) return;  // the disc has the nearest point
     add(sign, rim, wall.z_of_end(at_end), feature, out);
   }
 
   void see_disc(bool at_end, WallTouches& out) const {
     const double over = z - wall.z_of_end(at_end);
-    if (!(radius <= wall.radius_of_end(at_end)) || !(std::abs(over) < limit)) return;
+    if (!(radius <= wall.radius_of_end(at_end)) || wall.radius_of_end(at_end) == 0.0 || !(std::abs(over) < limit))
+      return;
     const double inside = at_end ? -1.0 : 1.0;
     if (over * inside > 0.0 && wall.beyond_side(radius, z) > 0.0) return;  // behind the side
     const double sign = over > 0.0 ? 1.0 : over < 0.0 ? -1.0 : inside;
