@@ -17,6 +17,7 @@ namespace {
 constexpr double same_volume = 1e-9;      // relative: two parts whose hull has their volume are one convex part
 constexpr double rounding = 1e-12;        // of the size: what cuts are exact to
 constexpr std::size_t most_cells = 4096;  // before joining: far beyond the parts that a body can carry
+constexpr std::size_t most_cuts = 1 << 16;
 constexpr std::size_t most_choices = 64;  // cuts that are compared, of the largest faces
 
 /// What of a triangle lies in a cell: convex, in the plane of its face.
@@ -172,6 +173,10 @@ class CellCutter {
     return out;
   }
 
+  static void drop(std::vector<Fragment>& fragments, std::uint32_t face) {
+    std::erase_if(fragments, [face](const Fragment& f) { return f.face == face; });
+  }
+
   void keep(const ClippedSolid& cell) {
     auto& corners = cells.emplace_back();
     for (std::size_t k = 0; k < cell.points(); ++k) corners.push_back(cell.point(k));
@@ -193,6 +198,9 @@ class CellCutter {
       return keep(cell);
     }
     const Plane plane = planes_[*face], back{-plane.normal, -plane.offset};
+    is_complete = ++cuts_ <= most_cuts;
+    // the face bounds both cells, however far its corners lie off its plane: so each cut leaves one face less
+    drop(fragments, *face);
     ClippedSolid front = cell;
     std::vector<Fragment> beyond = behind(fragments, back);
     fragments = behind(fragments, plane);
@@ -203,7 +211,19 @@ class CellCutter {
   const TriangleSurface& surface_;
   std::vector<Plane> planes_;
   double tolerance_;
+  std::size_t cuts_ = 0;
 };
+
+/// How far corners lie off the planes of their faces.
+double unevenness(const JoinedSurface& joined) {
+  const TriangleSurface& s = joined.surface;
+  const std::vector<Plane> planes = face_planes(joined);
+  double off = 0.0;
+  for (std::size_t t = 0; t < s.triangles.size(); ++t)
+    for (const std::uint32_t v : s.triangles[t])
+      off = std::max(off, std::abs(planes[joined.face[t]].above(s.vertices[v])));
+  return off;
+}
 
 /// Nothing where the points enclose no volume worth a body (`least` [m^3]).
 std::optional<ConvexPart> hull_of(std::span<const Vec3> points, double precision, double least) {
@@ -286,7 +306,8 @@ std::vector<ConvexPart> convex_parts(const JoinedSurface& joined, double precisi
   const double volume = surface_mass_properties(joined.surface).mass;
   Aabb box;
   for (const Vec3& v : joined.surface.vertices) box.include(v);
-  const double size = box.extent().norm(), tolerance = std::max(4.0 * precision, rounding * size);
+  const double size = box.extent().norm(), off = std::max(unevenness(joined), 4.0 * joined.report.move_distance);
+  const double tolerance = std::max({4.0 * precision, rounding * size, std::min(off, joined.report.tolerance)});
   refuse_crossings(joined.surface, joined.report.tolerance, place);
   const CellCutter cutter(joined, tolerance);
   if (!cutter.is_complete)
