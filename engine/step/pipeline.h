@@ -42,7 +42,7 @@ struct Extent;
 /// Permission for the contact model to do the first half of the next step too. No observer reads this step, so the
 /// elastic energy need not be reported.
 struct RunOn {
-  std::function<bool(const Extent&)> agrees;  ///< is called with the extent of the bodies in this step
+  std::function<bool(const Extent&)> agrees;  ///< whether the extent of the bodies in this step allows it
   bool bounded = true;                        ///< the next step needs the extent too, not only finite positions
 };
 
