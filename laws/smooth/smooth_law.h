@@ -1,7 +1,7 @@
-/// @file smooth_law.h  The law of a set-up as the loops over contacts take it: numbers by pair of materials, and its
-/// parts as functions, found once from their names or types. The loop over spheres calls a part once for a tile of
-/// contacts, the loop over all others (laws/smooth/smooth_contact.h) once for a contact: parts add up and do not
-/// multiply.
+/// @file smooth_law.h  The law of a scene as the loops over contacts use it: parameters by pair of materials, and a
+/// function for each part, resolved once from names or types. The loop over spheres calls a part once per tile of
+/// contacts, the loop over all others (laws/smooth/smooth_contact.h) once per contact, so code size is the sum of the
+/// parts, not the product.
 #pragma once
 #include <vector>
 
@@ -66,7 +66,7 @@ struct SmoothLaw {
   Passes passes() const;
 };
 
-/// What keeps a set-up from tiles of spheres; empty: nothing.
+/// Reason why a set-up cannot use tiles of spheres; empty: it can.
 std::string without_tiles(const SmoothSetup& setup);
 SmoothLaw smooth_law(const SmoothSetup& setup);
 
