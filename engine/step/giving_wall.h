@@ -1,28 +1,28 @@
-/// @file giving_wall.h  A servo wall (servo.h) in non-smooth contact. Nothing is soft there, and the forces of the last
-/// step would say nothing of the next one: the wall gives way within the step, as a body of the contact problem that is
-/// free along one line. The laws of servo.h, with the forces of the step itself, are both of the form
-///   v = v_free + mobility * J,   J the impulse of the contacts along the direction [N s],
-/// stable for every step. At most v_max, but contacts may push it back faster.
+/// @file giving_wall.h  A servo wall (servo.h) in non-smooth contact. Contacts are rigid there, so the forces of the
+/// last step do not predict the next ones. The wall is therefore an unknown of the contact problem, free along one
+/// line. Both laws of servo.h, with the forces of the step itself, have the form v = v_free + mobility * J, J the
+/// impulse of the contacts along the direction [N s], stable for every step. The wall approaches at v_max at most;
+/// contacts may push it back faster.
 #pragma once
 #include "engine/step/servo.h"
 
 namespace epafi {
 
-/// Speed along the direction, and how this step may change it.
+/// Speed along the direction, and its law in this step.
 struct GivingWall {
   BodyId body{};
   Servo servo;
   double speed = 0.0;    ///< [m/s]
-  double missed = 0.0;   ///< integral of the force that is missing [N s]; with gains
+  double missed = 0.0;   ///< integral of F - F_contact [N s]; with gains
   double impulse = 0.0;  ///< J of the last step, <= 0 [N s]
   double free_speed = 0.0;
   double mobility = 0.0;  ///< [1/kg]; 0: it rests
 
-  /// What its force would give it from rest in this step if nothing held it [J].
+  /// Energy that the force gives the wall from rest in this step without contacts [J].
   double free_energy(double dt) const { return 0.5 * mobility * (dt * servo.force) * (dt * servo.force); }
-  /// Sets free_speed and mobility of the next step.
+  /// Computes free_speed and mobility of the next step.
   void begin(double dt);
-  /// Takes over what contacts have made of the free speed.
+  /// Takes the speed that results from the contacts.
   void end(double solved_speed, double dt);
 };
 

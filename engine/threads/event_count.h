@@ -1,5 +1,5 @@
-/// @file event_count.h  Threads that wait for a condition which others make true: they poll some times, then sleep
-/// until they are woken (an event count; the sleep is a futex).
+/// @file event_count.h  Event count: threads that wait for a condition poll some times, then sleep on a futex until
+/// they are woken.
 #pragma once
 #include <atomic>
 #include <cstdint>
@@ -38,7 +38,7 @@ class EventCount {
   void wake() {
     if (waiting_.load() > 0) wake_all();
   }
-  /// By a thread that cannot do what others wait for.
+  /// Called by a thread that cannot make the condition true.
   void give_up() {
     given_up_ = true;
     wake_all();
