@@ -1,5 +1,5 @@
-/// @file ball_pairs.h  Pairs of bodies that consist of balls, ball by ball, in PairList::spheres. While a list of
-/// bodies lasts no point of a body moves by more than half the body's margin: a list of balls by the bodies' margins
+/// @file ball_pairs.h  Pairs of the balls of clumps and held spheres, in PairList::spheres. While a list of bodies is
+/// valid no point of a body moves by more than half the body's margin, so a list of balls with the bodies' margins
 /// lasts as long.
 #pragma once
 #include <span>

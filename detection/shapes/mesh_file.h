@@ -1,5 +1,5 @@
 /// @file mesh_file.h  Triangle surfaces from Wavefront OBJ, STL and PLY (ASCII and binary), and tables of triangles.
-/// Strict: what cannot be understood is a SceneError with file:line and what was found; nothing is repaired silently.
+/// Strict: an unreadable entry is a SceneError with file:line and text; nothing is repaired silently.
 #pragma once
 #include <string>
 #include <string_view>
@@ -9,7 +9,7 @@
 
 namespace epafi {
 
-/// What a surface is worth: closed or not, which way round, what was left out.
+/// Quality of a surface: closed or not, orientation, dropped triangles.
 struct MeshReport {
   std::size_t open_edges = 0;  ///< edges with one triangle
   std::size_t clashing_edges =
