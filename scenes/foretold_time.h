@@ -1,9 +1,9 @@
-/// @file foretold_time.h  Processor time of a run, foretold: by what its first steps took, by what its bodies will cost
-/// once they lie on each other, and by its output. All by processor time and by counts, never by the clock: what else
-/// runs on the machine does not count.
+/// @file foretold_time.h  Prediction of the processor time of a run: from the measured first steps, the cost of its
+/// bodies in a settled packing, and its output. Based on processor time and counts, so other programs have no
+/// influence.
 ///
-/// Prices were measured on one machine (Zen 5) and follow the speed of this one by a short loop. Right to a factor of
-/// two where scenes fall together under gravity; solvers that iterate far more than usual are not foreseen.
+/// Unit costs were measured on one machine (Zen 5) and are scaled by the speed of this one in a short loop. Right to a
+/// factor of two for bodies that settle under gravity; solvers with unusually many iterations are not predicted.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -36,7 +36,7 @@ inline constexpr double bodies_of_a_thread = 512;  // loops of fewer are not sha
 
 }  // namespace foretold
 
-/// What a run is made of.
+/// Input of the prediction: amounts of work of a run.
 struct RunCounts {
   double steps = 0.0;                      ///< of the whole run
   double bodies = 0.0;                     ///< free ones, those that come later too
@@ -50,7 +50,7 @@ struct RunCounts {
   double reading = 0.0;                    ///< measures that read contacts in a step, on average
 };
 
-/// What the first steps took.
+/// Measured times of the first steps.
 struct FirstSteps {
   double start = 0.0;    ///< until the first step: reading, shapes, memory [s]
   double seconds = 0.0;  ///< of all that were made
@@ -67,7 +67,7 @@ struct ForetoldTime {
 
 namespace foretold {
 
-/// Of one step of all bodies in a packing.
+/// Time of one step of all bodies in a packing [s].
 inline double packed_step(const RunCounts& run) {
   const double others = run.bodies - run.polyhedra, read = run.reading * run.bodies * read_contacts;
   if (!(run.sweeps > 0.0)) return read + others * run.other + run.polyhedra * smooth_polyhedron;
@@ -87,14 +87,14 @@ inline double loop_seconds() {
 
 }  // namespace foretold
 
-/// Of this machine over that of the prices: the same loop, the best of five.
+/// Speed of this machine over that of the unit costs: the same loop, the best of five.
 inline double machine_speed() {
   double best = foretold::loop_seconds();
   for (int k = 0; k < 4; ++k) best = std::min(best, foretold::loop_seconds());
   return best > 0.0 ? std::clamp(foretold::loop_time / best, 0.05, 20.0) : 1.0;
 }
 
-/// By so many threads of processors that nothing else runs on.
+/// Predicted time with this number of threads on idle processors.
 inline double wall_seconds(double processor, double bodies, double threads) {
   return processor / std::clamp(bodies / foretold::bodies_of_a_thread, 1.0, std::max(1.0, threads));
 }

@@ -1,4 +1,4 @@
-/// @file sphere_split.h  Hands the pair list of a scene with many spheres on: pairs of spheres and balls of clumps, and
+/// @file sphere_split.h  Splits the pair list of a scene with many spheres: pairs of spheres and balls of clumps, and
 /// of these with fixed planes, go to the fused contact model, all others to the narrow phase.
 #pragma once
 #include <memory>
@@ -13,8 +13,8 @@
 namespace epafi {
 
 /// The list of a scene with many spheres, and half-spaces that may move. The positions of a block are read only when
-/// its displacement bound, a sum of largest displacements per step, reaches the margin: to read all positions, and to
-/// write them for it, is a fifth of the bytes of a step of 100 000 spheres.
+/// its displacement bound, a sum of largest displacements per step, reaches the margin: writing and reading all
+/// positions would be a fifth of the memory traffic of a step of 100 000 spheres.
 class BlockBoundPairs final : public BroadPhase, public SharedList {
  public:
   /// The model is that of the pipeline, whichever it has; the pipeline must outlive this.

@@ -25,7 +25,7 @@ class WatchedBalance {
   void note(const StepReport& report);
   /// Call after the energies were measured.
   void look(const StepView& view);
-  /// Call where the stored energy jumps for a reason: sums so far are kept, signals continue from the next look.
+  /// Call after a legitimate jump of the stored energy (a new stage): sums are kept, signals restart at the next look.
   void begin_stage();
 
   /// The present result.

@@ -100,9 +100,8 @@ struct FatBodies {
   UnwrittenColumn<Ball> ball;  ///< fat, about the centre of mass [m]; bodies, then images
   std::vector<double> half;    ///< as half_of; with boxes
   std::vector<double> radius;  ///< bounding radius of the shape [m], infinite for half-spaces; with boxes
-  std::vector<float>
-      inverse_half_margin;  ///< 1/(half margin), rounded up [1/m]; largest_inverse_half_margin for 0; without images
-  std::vector<CellImage> images;  ///< of bodies, in a periodic cell
+  std::vector<float> inverse_half_margin;  ///< rounded up [1/m]; at most largest_inverse_half_margin; without images
+  std::vector<CellImage> images;           ///< of bodies, in a periodic cell
   std::vector<std::uint32_t> id;
   std::vector<std::uint8_t> type;
   std::vector<char> immovable;
