@@ -1,5 +1,5 @@
-/// @file mesh_contact.h  What the pairs with a mesh share: how a contact is named, and how the contacts of one body
-/// with many triangles become few. Everything is in the mesh's axes; normals point from the mesh to the body.
+/// @file mesh_contact.h  Common parts of pairs with a mesh: names of contacts, and reduction of the contacts of one
+/// body with many triangles. Everything is in the mesh's axes; normals point from the mesh to the body.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -25,8 +25,8 @@ constexpr Feature mesh_feature(std::uint32_t triangle, std::uint32_t local) {
   return Feature{triangle & 0xfffffffu} << 28 | (local & 0xfffffffu);
 }
 
-/// A point against a triangle's plane and sides: most points are on its face or out of reach, and no root or division
-/// is needed to say so (spheres in a hopper: 50 ns a pair and step less).
+/// Position of a point relative to a triangle's plane and sides. Most points are over its face or out of reach, which
+/// needs no root or division (saves 50 ns a pair and step of spheres in a hopper).
 struct OverTriangle {
   double height;  ///< above the plane, towards the front [m]
   double beyond;  ///< the side that it lies farthest beyond; < 0: inside of all [m]
@@ -36,7 +36,7 @@ struct OverTriangle {
 inline OverTriangle over_triangle(const TriangleMesh& mesh, std::uint32_t t, const Vec3& x) {
   const Triangle& corner = mesh.triangles[t];
   const auto& inward = mesh.inward[t];
-  // differences first: the place of the mesh costs no digits
+  // differences first, for accuracy far from the origin
   const Vec3 a = x - mesh.vertices[corner[0]], b = x - mesh.vertices[corner[1]], c = x - mesh.vertices[corner[2]];
   return {mesh.normals[t].dot(a), -std::min({inward[0].dot(a), inward[1].dot(b), inward[2].dot(c)})};
 }
@@ -54,8 +54,8 @@ inline Vec3 normal_towards(const TriangleMesh& mesh, std::uint32_t t, const Vec3
   return n.dot(x - mesh.vertices[mesh.triangles[t][0]]) < 0.0 ? Vec3(-n) : n;
 }
 
-/// Takes those out of the triangles behind the first `first` ones that lie farther than `distance` [m] from x: one that
-/// lies askew has a box much larger than itself.
+/// Removes the triangles after the first `first` ones that are farther than `distance` [m] from x: the box of an
+/// oblique triangle is much larger than the triangle.
 void drop_far(const TriangleMesh& mesh, const Vec3& x, double distance, std::size_t first,
               std::vector<std::uint32_t>& triangles);
 
@@ -67,12 +67,11 @@ constexpr bool is_corner_of_body(Feature mesh_feature) {
   return FeatureKind(mesh_feature >> 20 & 0xff) == FeatureKind::vertex_a;
 }
 
-/// Merges points that are one (position and normal within 1e-6 of `size` and of 1), keeping the lowest feature; of
-/// points with one normal keeps all if they are corners of the body and springs act there, else those that keep_four
-/// takes of their outline (manifold.h).
+/// Merges coincident points (position and normal within 1e-6 of `size` and of 1), keeping the lowest feature. Of points
+/// with one normal keeps all if they are corners of the body under a smooth law, else those of keep_four (manifold.h).
 void reduce(std::vector<MeshPoint>& points, double size, bool springs);
 
-/// Hands the points to the sink, with the body as A. body: its pose in the mesh's axes.
+/// Adds the points to the sink, with the body as A. body: its pose in the mesh's axes.
 void emit(std::span<const MeshPoint> points, const Vec3& body, double radius, const PairQuery& q, ContactSink& sink);
 
 }  // namespace epafi

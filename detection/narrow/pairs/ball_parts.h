@@ -1,5 +1,6 @@
-/// @file ball_parts.h  Two clumps of balls: which balls are tested. Centres are computed once per pair, those of the
-/// first body once for all its successive pairs; only balls that reach into the other clump's box are compared.
+/// @file ball_parts.h  Two clumps of balls: selects the pairs of balls to test. Centres are computed once per pair,
+/// those of the first body once for all its successive pairs; only balls that reach into the other clump's box are
+/// tested.
 #pragma once
 #include "detection/narrow/pairs/pair_query.h"
 #include "detection/shapes/clump.h"

@@ -31,7 +31,7 @@ class PlaneColumns {
   std::vector<double> x_, y_, z_, offset_;
 };
 
-/// A sum of cones over one origin, which had better be in or near the solid: far from it digits cancel.
+/// A sum of cones over one origin, which should be in or near the solid to avoid cancellation.
 struct Volume {
   Vec3 origin = Vec3::Zero();  ///< [m]
   double volume = 0.0;         ///< [m^3]
@@ -61,7 +61,7 @@ class ClippedSolid {
   bool clip(const Plane& plane);
   /// The least and the largest height of its points above each plane [m].
   void ranges(const PlaneColumns& planes, std::vector<double>& low, std::vector<double>& high) const;
-  /// Some must be left.
+  /// The solid must not be empty.
   Volume volume() const;
   std::size_t points() const { return count_; }
   std::size_t faces() const { return faces_; }
