@@ -85,11 +85,8 @@ void Adaptive::visit(StateVisitor& visitor) {
 }
 
 SolverEntry adaptive_entry() {
-  Entry entry{"adaptive",
-              "sweeps, then Newton steps on islands where a factorisation is cheap; the default",
-              solver_fields(),
-              {.slip_velocity = true, .memory = true},
-              ""};
+  Entry entry{"adaptive", "sweeps, then Newton steps on islands where a factorisation is cheap; the default",
+              solver_fields(), solver_needs, ""};
   return {std::move(entry), [](const Parameters& parameters) -> std::unique_ptr<ContactSolver> {
             return std::make_unique<Adaptive>(parameters);
           }};

@@ -100,6 +100,21 @@ inline std::vector<Field> solver_fields(std::vector<Field> own = {}, double iter
   return all;
 }
 
+/// What the engine must provide for a solver.
+inline constexpr Needs solver_needs{.slip_velocity = true, .memory = true};
+
+/// Entry of a Solver(iterations, tolerance, numbers of its own fields in their order). iterations: default.
+template <class Solver, class... Own>
+SolverEntry solver_entry(const char* name, const char* summary, const char* source, double iterations,
+                         const Own&... own) {
+  return {{name, summary, solver_fields({own...}, iterations), solver_needs, source},
+          [=](const Parameters& p) -> std::unique_ptr<ContactSolver> {
+            return std::make_unique<Solver>(static_cast<int>(p.number_or("iterations", iterations)),
+                                            p.number_or("tolerance", 1e-6),
+                                            p.number_or(own.name, std::get<double>(*own.default_value))...);
+          }};
+}
+
 /// The field `cone` of a solver that can also relax Coulomb's cone.
 inline Field cone_field(const std::string& relaxed, const std::string& what) {
   return {"cone",
