@@ -215,7 +215,7 @@ struct FillSpec {
   double velocity_deviation = 0.0;  ///< standard deviation of each component of random velocities [m/s], >= 0
   double rate = 0.0;                ///< pour: bodies per second [1/s], or 0
   double mass_rate = 0.0;           ///< pour: [kg/s], or 0
-  double from = 0.0;                ///< pour: begin [s]
+  double from = 0.0;                ///< pour: start time [s]
   Place place;
   std::string group{};    ///< a name that it shares with others; may be empty
   std::size_t stage = 0;  ///< that adds it, index in Scene::stages

@@ -78,7 +78,7 @@ struct Jkr {
   using State = StateOf<double>;
 
   static Entry entry() {
-    return adhesion_entry(name, "adhesive spheres that hold on beyond touch", needs,
+    return adhesion_entry(name, "adhesive spheres in contact until pull-off", needs,
                           "Johnson, Kendall and Roberts 1971");
   }
   static Missing missing(const MaterialPair& pair) { return missing_adhesion(pair); }

@@ -30,7 +30,7 @@ constexpr NamedLaw named_laws[] = {
     {"walton-braun", "plastic loading, stiff unloading; friction by a spring in fixed ratio", "walton-braun",
      "coulomb-spring"},
     {"dmt", "Hertz with constant attraction in contact; friction by Mindlin's spring", "dmt", "mindlin"},
-    {"jkr", "adhesive spheres that hold on beyond touch; friction by Mindlin's spring", "jkr", "mindlin"},
+    {"jkr", "adhesive spheres in contact until pull-off; friction by Mindlin's spring", "jkr", "mindlin"},
     {"overlap-volume", "elastic layer of the overlap volume of polyhedra; friction by a spring in fixed ratio",
      "overlap-volume", "coulomb-spring"},
 };

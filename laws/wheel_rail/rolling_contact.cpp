@@ -279,16 +279,16 @@ std::vector<Field> rolling_fields() {
   tangential.choices = {"none"};
   for (const auto& m : all_tangential_models())
     if (m.steady) tangential.choices.push_back(m.entry.name);
-  return {normal,
-          tangential,
-          {"along", "", "", Kind::integer, Value(24.0), {4, 400}, "cells along a patch"},
-          {"across", "", "", Kind::integer, Value(16.0), {4, 200}, "strips across a patch"},
-          {"friction_limit", "A", "", Kind::number, Value(1.0), unit_interval,
-           "friction at high slip velocity over that at rest"},
-          {"friction_decay", "B", "s/m", Kind::number, Value(0.0), not_negative,
-           "how fast friction falls with slip velocity"},
-          {"slowest", "", "m/s", Kind::number, Value(0.05), positive,
-           "smallest rolling speed that creepages are divided by"}};
+  return {
+      normal,
+      tangential,
+      {"along", "", "", Kind::integer, Value(24.0), {4, 400}, "cells along a patch"},
+      {"across", "", "", Kind::integer, Value(16.0), {4, 200}, "strips across a patch"},
+      {"friction_limit", "A", "", Kind::number, Value(1.0), unit_interval,
+       "friction at high slip velocity over that at rest"},
+      {"friction_decay", "B", "s/m", Kind::number, Value(0.0), not_negative, "decay of friction with slip velocity"},
+      {"slowest", "", "m/s", Kind::number, Value(0.05), positive,
+       "smallest rolling speed that creepages are divided by"}};
 }
 
 std::unique_ptr<ContactModel> make_rolling_contact(const RollingSetup& setup, const RollingRegions& regions,
