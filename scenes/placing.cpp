@@ -79,9 +79,9 @@ void drive(Assembly& a, BodyId id, const BodySpec& spec, const Vec3& position) {
     events.push_back(std::make_unique<ServoEvent>(id, spec.servo->servo, elapsed, a.simulation->ledger));
     return;
   }
-  const auto wall = std::make_shared<GivingWall>(GivingWall{id, spec.servo->servo});
-  add_giving_wall(*a.simulation->pipeline.contact_model, wall);
-  events.push_back(std::make_unique<GivingWallEvent>(wall, elapsed));
+  const auto wall = std::make_shared<NonsmoothServo>(NonsmoothServo{id, spec.servo->servo});
+  add_nonsmooth_servo(*a.simulation->pipeline.contact_model, wall);
+  events.push_back(std::make_unique<NonsmoothServoEvent>(wall, elapsed));
 }
 
 BodyId add_body(Assembly& a, const BuiltShape& shape, const BodySpec& spec, const Place& place) {

@@ -402,7 +402,7 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   // saved first: measuring extends what the energy's error is relative to, and what goes on must not say it was cut off
   const bool is_cut = !is_done() && ending_ != Ending::failed && ending_ != Ending::bound_violated;
   if (is_cut) save_checkpoint_now();
-  sim.come_home();
+  sim.gather_state();
   report_late_sources(*assembly_);
   sim.measure();
   if (course_ && ending_ != Ending::failed) sim.show(*course_);
@@ -412,7 +412,7 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
     const bool at_end = is_final() && sim.steps() >= last_step();
     if (frames_ && !at_end && !frames_->is_due(sim.steps())) sim.show(*frames_);
   }
-  if (const auto failure = is_cut ? sim.look_at_energy() : std::nullopt) {
+  if (const auto failure = is_cut ? sim.check_energy() : std::nullopt) {
     ending_ = fail(*failure);
     save_checkpoint_now();
   } else if (is_cut) {

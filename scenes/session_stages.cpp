@@ -110,7 +110,7 @@ void Session::keep_fills() {
 /// The simulation of `next` takes the place of the present one.
 void Session::enter(Scene next, const RunRecord& record) {
   const std::unique_ptr<Assembly> before = std::move(assembly_);
-  before->simulation->come_home();
+  before->simulation->gather_state();
   const bool held = same_mechanics(before->scene, next);
   AssembleOptions options;
   if (next.stage > 0)

@@ -3,7 +3,7 @@
 /// approaches at v_max, with the time constant m v_max/F. With gains it is a PI controller instead, which carries F
 /// also while it moves: v = p (F - F_contact) + i (integral of the same), limited to v_max (the integral then stays
 /// constant). Smooth contact uses the forces of the last step (servo_event.h), non-smooth contact those of the step
-/// itself (giving_wall.h). A motion of the same body acts first; the servo adds its velocity.
+/// itself (nonsmooth_servo.h). A motion of the same body acts first; the servo adds its velocity.
 #pragma once
 #include "engine/step/events.h"
 

@@ -54,7 +54,7 @@ void Simulation::start() {
   ledger.start(world, work.report, work.report.losses);
   const bool watched = step_is_watched();
   observe(false, watched);
-  if (watched) static_cast<void>(look_at_step());  // a single look ends no run
+  if (watched) static_cast<void>(check_step());  // a single look ends no run
 }
 
 /// Where forces hold they are kept to the bit: a stage that changes nothing is no event.
@@ -78,19 +78,19 @@ void Simulation::enter(const Entry& entry) {
     ledger.take_elastic(work.report);
     ledger.accept_jump(world, entry.stored_before);
   }
-  if (watched) static_cast<void>(look_at_step());
+  if (watched) static_cast<void>(check_step());
 }
 
 std::optional<Failure> Simulation::advance(bool last, bool run_on) {
   StageTimer timer(work.report.seconds);
-  if (parts_of_step) come_home();
+  if (parts_of_step) gather_state();
   int parts = parts_of_step ? parts_of_step(world) : 1;
   if (step_watch) parts = std::max(parts, step_watch->parts());
   double deepest = 0.0;
   const bool sort = sorts_now();
   ++steps_;
   for (int part = 0; part < parts; ++part) {
-    auto failure = make_step(time_step / parts, sort && part == 0, run_on && !last && nobody_looks(), timer);
+    auto failure = make_step(time_step / parts, sort && part == 0, run_on && !last && is_unobserved(), timer);
     if (failure) return failure;
     deepest = std::max(deepest, work.report.deepest);
   }
@@ -100,8 +100,8 @@ std::optional<Failure> Simulation::advance(bool last, bool run_on) {
   const bool watched = step_is_watched();
   observe(last, watched);
   timer.lap(Stage::output);
-  auto failure = watched ? look_at_step() : std::nullopt;
-  if (!failure) failure = look_at_energy();
+  auto failure = watched ? check_step() : std::nullopt;
+  if (!failure) failure = check_energy();
   timer.lap(Stage::events);
   return failure;
 }
@@ -114,7 +114,7 @@ bool Simulation::step_is_watched() {
   return !away_.stepped || !step_watch->passes(steps_, remote->stiffness(time_step / step_watch->parts()));
 }
 
-std::optional<Failure> Simulation::look_at_step() {
+std::optional<Failure> Simulation::check_step() {
   std::optional<Failure> failure;
   const auto look = [&](const StepView& now) { failure = step_watch->look(now); };
   if (!away_.stepped) {
@@ -127,7 +127,7 @@ std::optional<Failure> Simulation::look_at_step() {
 }
 
 /// Between this step and the next one.
-bool Simulation::nobody_looks() const {
+bool Simulation::is_unobserved() const {
   if (parts_of_step || pipeline.guard || loads || sorts_now()) return false;
   if (step_watch && (step_watch->parts() > 1 || step_watch->is_due(steps_))) return false;
   return std::none_of(observers.begin(), observers.end(), [this](const auto& o) {
@@ -183,7 +183,7 @@ std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on, 
 /// The state comes here only where something is to be done with it.
 std::optional<Failure> Simulation::make_remote_step(double dt, bool sort, bool run_on, StageTimer& timer) {
   if (sort || !leaving_.empty() || !away_.rest || dt != away_.dt) {
-    come_home();
+    gather_state();
     away_.sent = false;
     prepare(dt, sort);
   }
@@ -203,12 +203,12 @@ std::optional<Failure> Simulation::make_remote_step(double dt, bool sort, bool r
   world.fallen += dt * world.gravity;
   ledger.add(work.report, dt * world.gravity.norm());
   if (sound) return std::nullopt;
-  come_home();
+  gather_state();
   remote->fetch_contacts(*this, false);
-  return look_at_strays();
+  return check_positions();
 }
 
-void Simulation::come_home() {
+void Simulation::gather_state() {
   if (!std::exchange(away_.home, true)) remote->fetch(*this);
 }
 
@@ -274,10 +274,10 @@ std::optional<Failure> Simulation::watch() {
     return Failure{"state without measure", steps_, world.id[trouble.slot], trouble.text};
   const Extent* seen = pipeline.contact_model->extent();
   if (seen && (is_ahead() ? seen->finite : seen->is_inside(watched()))) return std::nullopt;
-  return look_at_strays();
+  return check_positions();
 }
 
-std::optional<Failure> Simulation::look_at_strays() {
+std::optional<Failure> Simulation::check_positions() {
   const auto strays = find_strays(world, watched());
   for (Slot s : strays) {
     const Vec3 &x = world.position[s], &v = world.velocity[s];
@@ -301,9 +301,9 @@ std::optional<Failure> Simulation::look_at_strays() {
   return std::nullopt;
 }
 
-std::optional<Failure> Simulation::look_at_energy() {
+std::optional<Failure> Simulation::check_energy() {
   if (std::isfinite(ledger.last().stored())) return std::nullopt;
-  come_home();
+  gather_state();
   Slot fastest = 0;
   for (Slot s = 1; s < world.size(); ++s)
     if (world.velocity[s].stableNorm() > world.velocity[fastest].stableNorm()) fastest = s;
@@ -344,7 +344,7 @@ void Simulation::observe(bool last, bool watched) {
     }
     // before the state comes home: what models keep by themselves is in one set with all others then
     if (watched || contacts >= ContactView::pieces) remote->fetch_contacts(*this, contacts != ContactView::all);
-    if (bodies || contacts >= ContactView::pieces) come_home();
+    if (bodies || contacts >= ContactView::pieces) gather_state();
   }
   if (energy) ledger.measure(totals_);
   show_contacts(contacts, last, [&](StepView now) {
@@ -360,7 +360,7 @@ void Simulation::show_contacts(ContactView needed, bool last, const std::functio
   if (away_.stepped) {
     if (needed >= ContactView::pieces) {
       remote->fetch_contacts(*this, needed != ContactView::all);
-      come_home();
+      gather_state();
     }
     model = nullptr;  // all are in the set
   } else if (needed == ContactView::all) {
@@ -370,12 +370,12 @@ void Simulation::show_contacts(ContactView needed, bool last, const std::functio
 }
 
 void Simulation::show(Observer& observer) {
-  come_home();
+  gather_state();
   show_contacts(observer.wants_contacts(steps_, true), true, [&](const StepView& now) { observer.observe(now); });
 }
 
 void Simulation::visit(StateVisitor& visitor) {
-  come_home();
+  gather_state();
   away_.sent = away_.rest = false;  // it may be another state that comes in
   visitor.value("simulation/steps", steps_);
   visitor.value("simulation/removed", removed_);

@@ -75,11 +75,11 @@ class Simulation {
   /// Power of servo walls on all other bodies, with the forces of the last step [W].
   double held_power() const;
   /// A failure if the ledger's energy is not finite (velocities may be).
-  std::optional<Failure> look_at_energy();
+  std::optional<Failure> check_energy();
   /// True if the last call has begun the next step: bodies must not be read then.
   bool is_ahead() const { return remote ? remote->is_ahead() : pipeline.contact_model->is_ahead(); }
   /// With several processes: gathers the present state here. Call it before bodies are read.
-  void come_home();
+  void gather_state();
   /// Sums over the bodies of all processes.
   BodyTotals totals();
   /// Measures the energies of the present state for the ledger.
@@ -97,15 +97,15 @@ class Simulation {
   std::optional<Failure> make_step(double dt, bool sort, bool run_on, StageTimer& timer);
   std::optional<Failure> make_remote_step(double dt, bool sort, bool run_on, StageTimer& timer);
   void prepare(double dt, bool sort);
-  bool nobody_looks() const;
+  bool is_unobserved() const;
   bool sorts_now() const { return steps_ + before_ > 0 && (steps_ + before_) % sort_interval == 0; }
   const std::optional<Domain>& watched() const;
-  std::optional<Failure> look_at_strays();
+  std::optional<Failure> check_positions();
   void drop_contacts();
   std::optional<Failure> watch();
   bool step_is_watched();
   void observe(bool last, bool watched);
-  std::optional<Failure> look_at_step();
+  std::optional<Failure> check_step();
   void show_contacts(ContactView needed, bool last, const std::function<void(const StepView&)>& show);
   void reorder(const Reordering& change);
 

@@ -284,7 +284,7 @@ void NonsmoothContact::write_back(World& world, const StepClock& clock) const {
 void NonsmoothContact::move_walls(World& world, double dt) const {
   for (const Guide& guide : problem_.guides) {
     const auto found = std::ranges::find(walls_, world.id[guide.slot], [](const auto& wall) { return wall->body; });
-    GivingWall& wall = **found;
+    NonsmoothServo& wall = **found;
     wall.end(guide.speed(after_), dt);
     world.velocity[guide.slot] = before_.linear[guide.slot] + wall.speed * guide.direction;
   }
@@ -347,7 +347,7 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   report.correction = own ? displace(world, problem_, *own) : correction_.apply(problem_, contacts, next_gap_, world);
 }
 
-void add_giving_wall(ContactModel& model, std::shared_ptr<GivingWall> wall) {
+void add_nonsmooth_servo(ContactModel& model, std::shared_ptr<NonsmoothServo> wall) {
   auto* contact = dynamic_cast<NonsmoothContact*>(&model);
   EPAFI_REQUIRE(contact != nullptr, "walls give way in non-smooth contact");
   contact->add(std::move(wall));

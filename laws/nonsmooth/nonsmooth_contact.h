@@ -25,7 +25,7 @@
 /// early by less than dt, without overlap, and without a change of energy if e = 1. This law alone can create energy in
 /// frictional impacts with rotation (Kane's paradox, case A21); impact.h has the correction and the other impact laws.
 ///
-/// Servo walls (engine/step/giving_wall.h) are bodies of the problem that move along one line. Impulses act on them
+/// Servo walls (engine/step/nonsmooth_servo.h) are bodies of the problem that move along one line. Impulses act on them
 /// within the step, so a plate carries its load exactly, also on rigid bodies.
 ///
 /// Energy. In the discrete theory dT = sum r.(u_k + u_{k+1})/2 + work of gravity exactly: the energy error is rounding,
@@ -39,7 +39,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/step/giving_wall.h"
+#include "engine/step/nonsmooth_servo.h"
 #include "engine/step/pipeline.h"
 #include "laws/material.h"
 #include "laws/nonsmooth/solvers/solver.h"
@@ -62,7 +62,7 @@ std::unique_ptr<ContactModel> make_nonsmooth_contact(const NonsmoothSetup& setup
 std::unique_ptr<ContactModel> make_nonsmooth_contact(const NonsmoothSetup& setup, const SolverEntry& solver);
 
 /// Makes the servo wall an unknown of the problems of this non-smooth model. Needs a world with rotation.
-void add_giving_wall(ContactModel& model, std::shared_ptr<GivingWall> wall);
+void add_nonsmooth_servo(ContactModel& model, std::shared_ptr<NonsmoothServo> wall);
 
 /// The problem that a non-smooth contact model solved in the last step; null for other models.
 const ContactProblem* last_problem(const ContactModel& model);

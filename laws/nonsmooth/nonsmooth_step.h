@@ -46,7 +46,7 @@ class NonsmoothContact final : public ContactModel {
     visitor.value("nonsmooth/unconverged", unconverged_);
     solver_->visit(visitor);
   }
-  void add(std::shared_ptr<GivingWall> wall) { walls_.push_back(std::move(wall)); }
+  void add(std::shared_ptr<NonsmoothServo> wall) { walls_.push_back(std::move(wall)); }
   const ContactProblem& problem() const { return problem_; }
   const Impacts& impacts() const { return impacts_; }
   std::vector<float> residuals() const;
@@ -74,7 +74,7 @@ class NonsmoothContact final : public ContactModel {
 
   std::string name_;
   MaterialTable materials_;
-  std::vector<std::shared_ptr<GivingWall>> walls_;
+  std::vector<std::shared_ptr<NonsmoothServo>> walls_;
   std::unique_ptr<ContactSolver> solver_;
   double tolerance_;
   Impacts impacts_;

@@ -19,7 +19,7 @@ import statistics
 import subprocess
 
 import numpy
-from runs import foretold, settled, write_csv, write_table
+from runs import predicted, settled, write_csv, write_table
 
 HEAD = """title = "Beds side by side"
 run = { duration = %.9g, time_step = 5e-5, output_interval = 1e3 }
@@ -90,6 +90,6 @@ for (n, times, s), folder in zip(rows, folders):
     middle = statistics.median(times)
     lines.append("| %d | %.1f | %.1f, %.1f | %s | %.0f | %.0f | %.3f | %.2f |" % (
         n, middle, min(times), max(times), "%.2f" % (middle / base) if base else "", s["peak_memory_bytes"] / n,
-        foretold(o.program, "bed.toml", folder) / n,
+        predicted(o.program, "bed.toml", folder) / n,
         1e3 * s["measures"]["middle"]["z"]["last"], 100 * s["overlap"]["max_relative"]))
 write_table(lines, o.out)

@@ -18,7 +18,7 @@ import os
 import subprocess
 import sys
 
-from runs import foretold, resumed, without_output
+from runs import predicted, resumed, without_output
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 PILE = os.path.join(HERE, "..", "..", "scenes", "library", "pile")
@@ -115,7 +115,7 @@ for number in o.numbers:
         number, settling, sweeps[0] / o.warm, settling / first, 1e3 * ms / number, (sweeps[1] - sweeps[0]) / o.steps,
         ms,
         s["contacts_mean"] / number, max(start["peak_memory_bytes"], s["peak_memory_bytes"]) / number,
-        foretold(o.program, "pile.toml", folder) / number,
+        predicted(o.program, "pile.toml", folder) / number,
         100 * s["overlap"]["max_relative"], 100 * s["overlap"]["mean"] / size,
         1e3 * (2 * s["energy"]["kinetic"] / mass) ** 0.5, s["bodies_lost"]))
     print("\n".join(lines[-1:] if number != o.numbers[0] else lines), flush=True)

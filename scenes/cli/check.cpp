@@ -10,8 +10,8 @@
 #include "engine/state/state_snapshot.h"
 #include "engine/threads/parallel.h"
 #include "scenes/carry_over.h"
-#include "scenes/foretold_time.h"
 #include "scenes/peak_memory.h"
+#include "scenes/predicted_time.h"
 #include "scenes/processor_time.h"
 #include "scenes/progress.h"
 #include "viz_export/output/output_observers.h"
@@ -48,7 +48,7 @@ struct Movers {
   double others = 0.0;                             ///< seconds of all but polyhedra in a smooth packing, a step
 
   void add(const std::string& type, double number) {
-    using namespace foretold;
+    using namespace predicted;
     static const std::map<std::string, double> prices{
         {"sphere", smooth_sphere},  {"clump", smooth_clump},     {"capsule", smooth_capsule},
         {"cylinder", smooth_round}, {"ellipsoid", smooth_round}, {"superquadric", smooth_superquadric}};

@@ -13,8 +13,8 @@
 #include "scenes/cli/new_scene.h"
 #include "scenes/cli/study_commands.h"
 #include "scenes/folder_lock.h"
-#include "scenes/foretold_time.h"
 #include "scenes/full_registry.h"
+#include "scenes/predicted_time.h"
 #include "scenes/reader/scene_reader.h"
 #include "tests/support/captured_run.h"
 #include "tests/support/catch.h"
@@ -124,7 +124,7 @@ sphere = { radius = 0.001 }
   CHECK(megabytes(many.substr(many.find("memory"))) > megabytes(one.substr(one.find("memory"))) + 20.0);
 }
 
-TEST_CASE("output is foretold by the points that its frames draw, of the bodies that stay", "[scenes][foretold]") {
+TEST_CASE("output is predicted by the points that its frames draw, of the bodies that stay", "[scenes][predicted]") {
   const TemporaryFolder folder;
   const fs::path file = folder / "outputs.toml";
   const auto output = [&](const std::string& shape, int count, const std::string& domain = "") {
@@ -150,7 +150,7 @@ TEST_CASE("output is foretold by the points that its frames draw, of the bodies 
   CHECK(most_leave < 0.4 * clumps);
 }
 
-TEST_CASE("bodies that are no balls are foretold by what their contacts cost", "[scenes][foretold]") {
+TEST_CASE("bodies that are no balls are predicted by what their contacts cost", "[scenes][predicted]") {
   const TemporaryFolder folder;
   const fs::path file = folder / "kinds.toml";
   const auto steps = [&](const std::string& shape) {
@@ -171,14 +171,14 @@ TEST_CASE("bodies that are no balls are foretold by what their contacts cost", "
   CHECK(steps("superquadric = { semi_axes = [0.01, 0.02, 0.01], across = 4, along = 4 }") > 1.5 * ellipsoids);
 }
 
-TEST_CASE("loops over few bodies are not shared out over threads", "[scenes][foretold]") {
+TEST_CASE("loops over few bodies are not shared out over threads", "[scenes][predicted]") {
   CHECK(wall_seconds(10.0, 60.0, 8.0) == 10.0);
   CHECK(wall_seconds(10.0, 1024.0, 8.0) == Approx(5.0));
   CHECK(wall_seconds(10.0, 1e6, 8.0) == Approx(1.25));
   CHECK(wall_seconds(10.0, 1e6, 1.0) == 10.0);
 }
 
-TEST_CASE("a run whose steps were all made takes what they took, its start and its output", "[scenes][foretold]") {
+TEST_CASE("a run whose steps were all made takes what they took, its start and its output", "[scenes][predicted]") {
   const FirstSteps first{.start = 0.5, .seconds = 2.0, .made = 100, .present = 1.0, .later = 0.1};
   RunCounts run{.steps = 100, .bodies = 10, .loose = 1.0};
   const ForetoldTime alone = foretell_time(run, first, 1.0);
@@ -194,7 +194,7 @@ TEST_CASE("a run whose steps were all made takes what they took, its start and i
   CHECK(foretell_time(run, first, 0.5).steps == 2.0);
 }
 
-TEST_CASE("steps to come cost as the last ones, with what the bodies lack of a packing", "[scenes][foretold]") {
+TEST_CASE("steps to come cost as the last ones, with what the bodies lack of a packing", "[scenes][predicted]") {
   const FirstSteps first{.seconds = 1.0, .made = 100, .present = 0.5, .later = 0.02};
   RunCounts run{.steps = 1100, .bodies = 1000, .polyhedra = 1000, .sweeps = 50};
   // half of the bodies are there: all cost twice as much
@@ -222,7 +222,7 @@ TEST_CASE("steps to come cost as the last ones, with what the bodies lack of a p
 }
 
 TEST_CASE("half of the bodies that fall from up to a height are down after the fall from its half",
-          "[scenes][foretold]") {
+          "[scenes][predicted]") {
   CHECK(falling_share(2.0, 10.0, 1.0, 0.0) == Approx(std::sqrt(0.2)));
   // the bounces of Zeno's ball last 2 e/(1 - e) of the fall
   CHECK(falling_share(2.0, 10.0, 10.0, 0.5) == Approx(0.3 * std::sqrt(0.2)));

@@ -142,7 +142,7 @@ TEST_CASE("a source that cannot keep its rate is told, with how many have come",
   }
 }
 
-TEST_CASE("measures that look at every step are foretold", "[scenes][foretold]") {
+TEST_CASE("measures that look at every step are predicted", "[scenes][predicted]") {
   const TemporaryFolder folder;
   const fs::path file = folder / "measured.toml";
   const auto steps = [&](const std::string& measures) {

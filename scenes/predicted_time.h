@@ -1,4 +1,4 @@
-/// @file foretold_time.h  Prediction of the processor time of a run: from the measured first steps, the cost of its
+/// @file predicted_time.h  Prediction of the processor time of a run: from the measured first steps, the cost of its
 /// bodies in a settled packing, and its output. Based on processor time and counts, so other programs have no
 /// influence.
 ///
@@ -12,7 +12,7 @@
 
 namespace epafi {
 
-namespace foretold {
+namespace predicted {
 
 // seconds by one thread of the machine of the prices; pile/polyhedra, bed/bed, stability/*, impact/*, and settled beds
 // of 60 of each shape in smooth contact
@@ -34,20 +34,20 @@ inline constexpr double read_contacts = 0.4e-6;    // a measure that reads all c
 inline constexpr double loop_time = 0.70e-3;       // of machine_speed()
 inline constexpr double bodies_of_a_thread = 512;  // loops of fewer are not shared out
 
-}  // namespace foretold
+}  // namespace predicted
 
 /// Input of the prediction: amounts of work of a run.
 struct RunCounts {
-  double steps = 0.0;                      ///< of the whole run
-  double bodies = 0.0;                     ///< free ones, those that come later too
-  double polyhedra = 0.0;                  ///< of them: boxes, polyhedra, solids; with a solver all that are no balls
-  double other = foretold::smooth_sphere;  ///< one of the others in a smooth packing, a step [s]
-  double outputs = 0.0;                    ///< frames and snapshots
-  double points = 0.0;                     ///< of the surfaces that a frame draws, of all bodies
-  double sweeps = 0.0;                     ///< of a non-smooth solver in a step of a packing; 0: smooth
-  double loose = 0.0;                      ///< share of the contacts of a packing that are still to come, in [0, 1]
-  double falling = 0.0;                    ///< share of the run until they have come, in [0, 1]
-  double reading = 0.0;                    ///< measures that read contacts in a step, on average
+  double steps = 0.0;                       ///< of the whole run
+  double bodies = 0.0;                      ///< free ones, those that come later too
+  double polyhedra = 0.0;                   ///< of them: boxes, polyhedra, solids; with a solver all that are no balls
+  double other = predicted::smooth_sphere;  ///< one of the others in a smooth packing, a step [s]
+  double outputs = 0.0;                     ///< frames and snapshots
+  double points = 0.0;                      ///< of the surfaces that a frame draws, of all bodies
+  double sweeps = 0.0;                      ///< of a non-smooth solver in a step of a packing; 0: smooth
+  double loose = 0.0;                       ///< share of the contacts of a packing that are still to come, in [0, 1]
+  double falling = 0.0;                     ///< share of the run until they have come, in [0, 1]
+  double reading = 0.0;                     ///< measures that read contacts in a step, on average
 };
 
 /// Measured times of the first steps.
@@ -65,7 +65,7 @@ struct ForetoldTime {
   double total() const { return start + steps + output; }
 };
 
-namespace foretold {
+namespace predicted {
 
 /// Time of one step of all bodies in a packing [s].
 inline double packed_step(const RunCounts& run) {
@@ -85,18 +85,18 @@ inline double loop_seconds() {
   return process_seconds() - start;
 }
 
-}  // namespace foretold
+}  // namespace predicted
 
 /// Speed of this machine over that of the unit costs: the same loop, the best of five.
 inline double machine_speed() {
-  double best = foretold::loop_seconds();
-  for (int k = 0; k < 4; ++k) best = std::min(best, foretold::loop_seconds());
-  return best > 0.0 ? std::clamp(foretold::loop_time / best, 0.05, 20.0) : 1.0;
+  double best = predicted::loop_seconds();
+  for (int k = 0; k < 4; ++k) best = std::min(best, predicted::loop_seconds());
+  return best > 0.0 ? std::clamp(predicted::loop_time / best, 0.05, 20.0) : 1.0;
 }
 
 /// Predicted time with this number of threads on idle processors.
 inline double wall_seconds(double processor, double bodies, double threads) {
-  return processor / std::clamp(bodies / foretold::bodies_of_a_thread, 1.0, std::max(1.0, threads));
+  return processor / std::clamp(bodies / predicted::bodies_of_a_thread, 1.0, std::max(1.0, threads));
 }
 
 /// Share of a run of `duration` [s] until bodies that start up to `height` [m] above the lowest lie, half of them: a
@@ -110,12 +110,12 @@ inline double falling_share(double height, double gravity, double duration, doub
 /// speed: of this machine over that of the prices.
 inline ForetoldTime foretell_time(const RunCounts& run, const FirstSteps& first, double speed) {
   ForetoldTime out;
-  out.start = first.start + foretold::start_of_run / speed;
+  out.start = first.start + predicted::start_of_run / speed;
   out.output = run.outputs *
-               (foretold::output_itself + foretold::output_body * run.bodies + foretold::output_point * run.points) /
+               (predicted::output_itself + predicted::output_body * run.bodies + predicted::output_point * run.points) /
                speed;
   const double rest = std::max(0.0, run.steps - first.made), present = std::clamp(first.present, 1e-3, 1.0);
-  const double packed = run.loose * foretold::packed_step(run) / speed;
+  const double packed = run.loose * predicted::packed_step(run) / speed;
   out.steps = first.seconds + rest * (first.later / present + packed * (1.0 - run.falling));
   return out;
 }

@@ -1,5 +1,5 @@
-/// @file giving_wall.h  A servo wall (servo.h) in non-smooth contact. Contacts are rigid there, so the forces of the
-/// last step do not predict the next ones. The wall is therefore an unknown of the contact problem, free along one
+/// @file nonsmooth_servo.h  A servo wall (servo.h) in non-smooth contact. Contacts are rigid there, so the forces of
+/// the last step do not predict the next ones. The wall is therefore an unknown of the contact problem, free along one
 /// line. Both laws of servo.h, with the forces of the step itself, have the form v = v_free + mobility * J, J the
 /// impulse of the contacts along the direction [N s], stable for every step. The wall approaches at v_max at most;
 /// contacts may push it back faster.
@@ -9,7 +9,7 @@
 namespace epafi {
 
 /// Speed along the direction, and its law in this step.
-struct GivingWall {
+struct NonsmoothServo {
   BodyId body{};
   Servo servo;
   double speed = 0.0;    ///< [m/s]
@@ -27,15 +27,16 @@ struct GivingWall {
 };
 
 /// Prepares the wall before every step; the contact model ends the step.
-class GivingWallEvent final : public Event {
+class NonsmoothServoEvent final : public Event {
  public:
   /// elapsed: of its time when the present stage began [s].
-  GivingWallEvent(std::shared_ptr<GivingWall> wall, double elapsed) : wall_(std::move(wall)), elapsed_(elapsed) {}
+  NonsmoothServoEvent(std::shared_ptr<NonsmoothServo> wall, double elapsed)
+      : wall_(std::move(wall)), elapsed_(elapsed) {}
   void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
   void visit(StateVisitor& visitor) override;
 
  private:
-  std::shared_ptr<GivingWall> wall_;
+  std::shared_ptr<NonsmoothServo> wall_;
   double elapsed_;
 };
 
