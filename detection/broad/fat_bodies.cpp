@@ -111,12 +111,7 @@ bool FatBodies::take_in(const World& world, const BroadSetup& setup, double step
   grow(radius);
   grow(role);
   grow(orientation);
-  ball.resize(n);
-  inverse_half_margin.resize(n);
-  slow_.resize(n);
-  id.resize(n);
-  type.resize(n);
-  immovable.resize(n);
+  resize_columns(n);
   for (std::size_t i = old; i < n; ++i) {
     const auto s = static_cast<Slot>(i);
     id[i] = static_cast<std::uint32_t>(world.id[s]);
@@ -132,18 +127,23 @@ bool FatBodies::take_in(const World& world, const BroadSetup& setup, double step
   return true;
 }
 
+/// The columns that every list has.
+void FatBodies::resize_columns(std::size_t n) {
+  ball.resize(n);
+  inverse_half_margin.resize(n);
+  slow_.resize(n);
+  id.resize(n);
+  type.resize(n);
+  immovable.resize(n);
+}
+
 void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
   const std::size_t n = world.size();
   static_assert(AllShapes::size <= 256);
   ball.clear();  // no more than that: a large page is taken as a whole
   ball.reserve(n);
-  ball.resize(n);
-  inverse_half_margin.resize(n);
-  slow_.resize(n);
-  // with images pairs of spheres are told from the others once they are named
-  id.resize(n);
-  type.resize(n);
-  immovable.resize(n);
+  resize_columns(n);
+  // with images, pairs of spheres are separated from the others after they are named
   role.resize(setup.spheres.wanted && !world.cell ? n : 0);
   parallel_for(n, [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);

@@ -214,6 +214,7 @@ struct FatBodies {
   double radius_of(const World& world, const ShapeStore& shapes, std::size_t i) const {
     return round_ ? shapes.bounding_radius({world.shape[i]}) : radius[i];
   }
+  void resize_columns(std::size_t n);
   void read_shapes(const World& world, const BroadSetup& setup);
   static constexpr float largest_inverse_half_margin = 1e37f;
   double displacement(std::size_t i, const Vec3& x) const { return (x - position(i)).norm(); }
