@@ -1,7 +1,6 @@
-/// @file memory_plan.h  What a scene's bodies, pairs and contacts take while it runs, by the types of their columns:
-/// the bytes of `epafi explain`. On top come what columns keep to grow (up to a half), output, and of small runs the
-/// program (10 to 14 MB). Runs of 10 000 to 1 000 000 spheres and of 1000 to 5000 polyhedra beside it:
-/// docs/performance/memory.md.
+/// @file memory_plan.h  Memory of bodies, pairs and contacts during a run, from the types of their columns: the bytes
+/// of `epafi explain`. Not included: growth reserves (up to a half), output, and the program (10 to 14 MB). Runs of 10
+/// 000 to 1 000 000 spheres and of 1000 to 5000 polyhedra beside it: docs/performance/memory.md.
 #pragma once
 #include "detection/shape_store.h"
 #include "scenes/scene.h"

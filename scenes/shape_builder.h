@@ -12,7 +12,7 @@
 
 namespace epafi {
 
-/// A shape in the store and what a body of it weighs.
+/// A shape in the store with the mass properties of its body.
 struct BuiltShape {
   ShapeRef ref{};
   double volume = 0.0;   ///< [m^3]; 0 for shapes that only fixed and driven bodies may have

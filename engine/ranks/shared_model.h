@@ -1,5 +1,5 @@
-/// @file shared_model.h  What a contact model tells of its last step, so that several processes can add it up to the
-/// bits of one. Of a part, what this process counts.
+/// @file shared_model.h  Data of a contact model's last step that several processes sum to the bits of one process;
+/// each counts its part.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -1,5 +1,4 @@
-/// @file patch_case.h  A case of `epafi patch`: one contact in statics, what loads it, and the models to be tried on
-/// it.
+/// @file patch_case.h  A case of `epafi patch`: one static contact, its load, and the models to compare.
 #pragma once
 #include <optional>
 #include <string>

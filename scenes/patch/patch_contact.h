@@ -29,12 +29,12 @@ class PatchContactSolver {
   void seat(double down) { wheel_->seat(down); }
   /// Seats the wheel anew at this approach of the deepest region.
   void follow(double expected);
-  /// Whether the wheel stands as deep as a model has found; only those of the whole gap can tell.
+  /// Whether the wheel's position agrees with a model's approach; only models of the whole gap give it.
   bool stands(const std::string& model, double found) const;
   bool has_wheel() const { return wheel_ && !wheel_->rigid.empty() && !too_shallow(); }
   /// Several regions far from each other overlap under the load, and the model solves each.
   bool apart(const std::string& model) const { return has_wheel() && wheel_->apart() && normal_model(model).whole_gap; }
-  /// Where its patches lie: creepages are those of there.
+  /// Positions of its patches, where creepages are evaluated.
   const std::vector<ContactRegion>& places(const std::string& model) const;
   /// Creepage at the middle of a patch: as given, or of the rigid wheelset rolling with its speed over its angular
   /// velocity.
@@ -50,7 +50,7 @@ class PatchContactSolver {
   void begin_pair() { remembered_seconds_ = 0.0; }
 
   bool rough = false;                ///< strips need not settle yet: the wheel will be seated anew
-  std::vector<std::string> reasons;  ///< why nothing of this case should be trusted
+  std::vector<std::string> reasons;  ///< why no result of this case is valid
 
  private:
   /// A solution by finite elements, which take seconds: tangential models mostly ask for the same ones.
