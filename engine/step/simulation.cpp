@@ -13,8 +13,8 @@ namespace epafi {
 
 namespace {
 
-/// "; of its 3 contacts that with body 7 has ...": where a body's trouble may come from. A force or gap that is not
-/// finite says it, else the deepest overlap does.
+/// "; of its 3 contacts that with body 7 has ...": the probable cause of a body's failure: the contact with a force or
+/// gap that is not finite, else the one with the deepest overlap.
 std::string suspect_of(const World& world, const ContactSet& contacts, Slot slot) {
   std::size_t count = 0, worst = 0;
   double badness = -std::numeric_limits<double>::infinity();
@@ -54,10 +54,10 @@ void Simulation::start() {
   ledger.start(world, work.report, work.report.losses);
   const bool watched = step_is_watched();
   observe(false, watched);
-  if (watched) static_cast<void>(check_step());  // a single look ends no run
+  if (watched) static_cast<void>(check_step());  // a single check ends no run
 }
 
-/// Where forces hold they are kept to the bit: a stage that changes nothing is no event.
+/// Valid forces are kept bit for bit, so a stage without changes has no effect.
 void Simulation::enter(const Entry& entry) {
   count_movable();
   if (loads) loads->set(world, world.clock);
@@ -106,7 +106,7 @@ std::optional<Failure> Simulation::advance(bool last, bool run_on) {
   return failure;
 }
 
-/// The watch over the step reads contacts now.
+/// True if step_watch reads contacts now.
 bool Simulation::step_is_watched() {
   if (!step_watch) return false;
   step_watch->note(steps_, work.report.deepest);
@@ -119,14 +119,14 @@ std::optional<Failure> Simulation::check_step() {
   const auto look = [&](const StepView& now) { failure = step_watch->look(now); };
   if (!away_.stepped) {
     show_contacts(ContactView::pieces, false, look);
-  } else {  // it asks for contacts and places alone: the state of all bodies may stay away
+  } else {  // it needs only contacts and positions, not the state of all bodies
     remote->fetch_contacts(*this, true);
     look({world, work.contacts, work.pairs, work.report, ledger, steps_, time_step, movable_, false, nullptr});
   }
   return failure;
 }
 
-/// Between this step and the next one.
+/// True if no observer reads anything between this step and the next one.
 bool Simulation::is_unobserved() const {
   if (parts_of_step || pipeline.guard || loads || sorts_now()) return false;
   if (step_watch && (step_watch->parts() > 1 || step_watch->is_due(steps_))) return false;
@@ -180,7 +180,7 @@ std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on, 
   return watch();
 }
 
-/// The state comes here only where something is to be done with it.
+/// Gathers the state only if something needs it here.
 std::optional<Failure> Simulation::make_remote_step(double dt, bool sort, bool run_on, StageTimer& timer) {
   if (sort || !leaving_.empty() || !away_.rest || dt != away_.dt) {
     gather_state();
@@ -192,7 +192,7 @@ std::optional<Failure> Simulation::make_remote_step(double dt, bool sort, bool r
   away_.dt = dt;
   away_.home = false;
   away_.stepped = true;
-  if (loads) loads->set(world, world.clock + 0.5 * dt);  // those of the bodies are at work elsewhere
+  if (loads) loads->set(world, world.clock + 0.5 * dt);  // the other processes apply those of the bodies
   work.contacts.clear();
   timer.lap(Stage::events);
   const double booked = work.report.seconds.all();
@@ -212,7 +212,7 @@ void Simulation::gather_state() {
   if (!std::exchange(away_.home, true)) remote->fetch(*this);
 }
 
-/// Bodies from slot `before` on came in: their energy is work done on the scene.
+/// Bodies from slot `before` on have entered: their energy is work done on the scene.
 void Simulation::welcome(std::size_t before) {
   double kinetic = 0.0, potential = 0.0;
   for (std::size_t s = before; s < world.size(); ++s) {
@@ -233,7 +233,7 @@ void Simulation::sort_bodies() { reorder(world.reorder(morton_order(world))); }
 
 void Simulation::reorder(const Reordering& change) {
   pipeline.each_stage([&](auto& stage) { stage.reorder(change); });
-  work.contacts.clear();  // their slots are those of before
+  work.contacts.clear();  // they have the old slots
 }
 
 void Simulation::take_out() {
@@ -250,8 +250,8 @@ void Simulation::take_out() {
   ledger.accept_jump(world, before);
 }
 
-/// Energy in the contacts of bodies that left goes with them: the contacts are evaluated again over no time, which
-/// leaves their history as it is; the forces of the step that was done stay. Impulses store nothing, springs do.
+/// Removes the elastic energy of contacts of removed bodies: evaluates the contacts again with dt = 0, which does not
+/// change their history or the forces of the step. Impulses store no energy, springs do.
 void Simulation::drop_contacts() {
   if (!pipeline.scheme->needs_initial_forces()) {
     work.report.elastic = 0.0;
@@ -342,7 +342,7 @@ void Simulation::observe(bool last, bool watched) {
       totals_ = all.bodies;
       if (sums) overlaps_ = all.overlaps;
     }
-    // before the state comes home: what models keep by themselves is in one set with all others then
+    // before the state is gathered: then contacts of models are in one set with all others
     if (watched || contacts >= ContactView::pieces) remote->fetch_contacts(*this, contacts != ContactView::all);
     if (bodies || contacts >= ContactView::pieces) gather_state();
   }
@@ -376,7 +376,7 @@ void Simulation::show(Observer& observer) {
 
 void Simulation::visit(StateVisitor& visitor) {
   gather_state();
-  away_.sent = away_.rest = false;  // it may be another state that comes in
+  away_.sent = away_.rest = false;  // the loaded state may differ
   visitor.value("simulation/steps", steps_);
   visitor.value("simulation/removed", removed_);
   if (visitor.has("simulation/steps_before")) visitor.value("simulation/steps_before", before_);
