@@ -96,7 +96,7 @@ void check_missing(const List& list, const std::string& name, const MaterialPair
   }
 }
 
-/// Warns where the restitution that comes out is not the one asked for.
+/// Warns if the restitution differs from the key.
 template <class N>
 void check_restitution(const std::string& law, const MaterialPair& pair, std::vector<Problem>& out) {
   const std::string where = "contact " + pair.a.name + "-" + pair.b.name;

@@ -36,7 +36,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     since_drift_ = 0.0;
   }
   void set_bodies(UnwrittenColumn<double> radius, std::size_t first) override {
-    if (first > 0 && !radius_.empty()) {  // the bodies before them are not handed over yet
+    if (first > 0 && !radius_.empty()) {  // the bodies before them are not known yet
       EPAFI_REQUIRE(first_ + radius_.size() == first, "bodies come behind the others");
       for (const double r : radius) radius_.push_back(r);
       return;
@@ -111,7 +111,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       report.losses = {};
       report.has_solver = false;
     }
-    others_ = contacts.size() > 0;  // one more call after the last contact has opened lets its spring go
+    others_ = contacts.size() > 0;  // one more call after the last contact has opened releases its spring
     const bool onward = has_extent_ && clock.run_on && clock.run_on->agrees(seen());
     run_blocks(world, clock, onward);
     count(clock.dt, report);
@@ -179,7 +179,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     blocks_.reorder(change);
   }
   void visit(StateVisitor& visitor) override {
-    ahead_ = false;  // it may be another state that comes in
+    ahead_ = false;  // the loaded state may differ
     displacements_.clear();
     generic_->visit(visitor);
     blocks_.visit(visitor);
@@ -192,7 +192,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   static_assert(TouchedBodies::block_size == SphereBlocks::largest_block, "threads share the same bodies out in both");
   static constexpr std::size_t most_accumulators = 64;  ///< of a thread; of two, 15 were in use in a bed of 100 000
 
-  /// Later than the velocities of the world by this are those the dampers see [s].
+  /// Time from the velocities of the world to those of the dampers [s].
   double lag(const StepClock& clock) const { return law_.damped ? clock.velocity_lag * clock.dt : 0.0; }
 
   BodyPass pass(World& world, const StepClock& clock, std::size_t begin, std::size_t end, std::size_t accumulator,
@@ -226,7 +226,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       displacements_[i] = dt * std::sqrt(largest_inverse_half_margin_[i].sum());
   }
 
-  /// Whether one material is that of all spheres.
+  /// Whether all spheres have one material.
   void find_materials(const World& world) {
     const std::vector<BodyBall>& balls = blocks_.balls().all();
     if (first_ > 0 && own_ < law_.materials) {  // it was that of those before
@@ -267,7 +267,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     return std::ranges::count(owner, World::here) == std::ssize(owner);
   }
 
-  /// What every block reads and writes; its own sums and moments come on top.
+  /// Arrays of all blocks, without sums and moments of a block.
   SphereArrays arrays_of(const World& world, const StepClock& clock, bool tells_energy) {
     SphereArrays arrays{blocks_.planes().data(), all_states(world), 0, clock.dt, lag(clock), law_.damped, tells_energy};
     if (!world.owner.empty()) blocks_.balls().by_place(world.owner, owner_);
@@ -289,8 +289,8 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     return arrays;
   }
 
-  /// All blocks through the loop, then what they found for each other, and the second half of the step with it; with
-  /// `onward` the first half of the next one too: nobody reads the bodies of a block any more when its turn has come.
+  /// Computes the contacts of all blocks, then adds records of other blocks and does the second half of the step; with
+  /// `onward` also the first half of the next one, since no later block reads the bodies of a finished block.
   void run_blocks(World& world, const StepClock& clock, bool onward) {
     auto& all = blocks_.blocks();
     passes_ = law_.passes();
@@ -333,7 +333,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
                      {}});
       if (of_balls > 0 && onward) blocks_.balls().place(world, lag(clock), blocks_.late_spins(), begin, end);
     };
-    // those of balls before: bodies are finished with what their balls have felt
+    // blocks of balls come first: bodies need the sums of their balls
     const auto collect = [&](std::size_t i, std::size_t accumulator, std::size_t) {
       blocks_.receive(i, accumulator);
       blocks_.balls().collect(world, blocks_.sums(accumulator), blocks_.moments(accumulator), blocks_.begin_of(i),
@@ -352,7 +352,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   static BodyState* all_states(World& world) { return world.states().data() - world.states_before(); }
   static const BodyState* all_states(const World& world) { return world.states().data() - world.states_before(); }
 
-  /// Adds what the blocks found to the report of the generic loop.
+  /// Adds the results of the blocks to the report of the generic loop.
   void count(double dt, StepReport& report) {
     report.contacts += blocks_.pairs();
     Losses lost;
@@ -366,7 +366,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       viscous_power += block.viscous;
       if (dt > 0.0) lost.frictional += block.slipped;
       if (law_.holds)
-        lost.adhesive += block.lost;  // bodies that touch at the start meet there
+        lost.adhesive += block.lost;  // bodies in contact at the start begin to adhere there
       else if (dt > 0.0)
         lost.plastic += block.lost;
     }
@@ -386,7 +386,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     if (!world.cell) return;
     Virial found;
     add_virial(world, found);
-    // where the generic loop ran, the cell has its virial of now, and the step before is booked
+    // if the generic loop ran, the cell has its present virial, and the previous step is booked
     const Vec3 virial = found.value(), both = world.cell->virial + virial;
     report.work += 0.5 * dt * (others ? virial : both).dot(world.cell->strain_rate);
     world.cell->virial = others ? both : virial;
@@ -408,7 +408,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     return load;
   }
 
-  /// In the middle of the last step: what its second half added to a body is taken off again [m/s].
+  /// Velocity in the middle of the last step: without the change by its second half [m/s].
   Vec3 middle_velocity(const World& world, Slot place) const {
     const auto balls = static_cast<Slot>(blocks_.balls().size());
     if (place < balls) return xyz(all_states(world)[place].velocity);
@@ -468,11 +468,11 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   std::vector<std::uint8_t> owner_;      ///< by place, where several processes share the bodies
   std::unique_ptr<ContactModel> generic_;
   bool others_ = false;
-  bool predicted_ = false;                         ///< the states say how fast the bodies are at the detection
+  bool predicted_ = false;                         ///< the states contain the velocities at the detection
   UnwrittenColumn<double> radius_;                 ///< of bodies in new slots [m]; empty: they are known
   std::size_t first_ = 0;                          ///< slot of the first of radius_
-  CommonMotion drift_;                             ///< beside which displacements are counted
-  double since_drift_ = 0.0;                       ///< it began so long ago [s]
+  CommonMotion drift_;                             ///< displacements are relative to it
+  double since_drift_ = 0.0;                       ///< time since its start [s]
   std::span<const float> inverse_half_margin_;     ///< as SphereList::inverse_half_margin
   bool tells_forces_ = true;                       ///< in every step; else in observed ones only
   std::vector<Vec3> largest_inverse_half_margin_;  ///< by block: largest squares of velocity times that [1/s^2]
