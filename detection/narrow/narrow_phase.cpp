@@ -70,7 +70,7 @@ void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& 
   find_memory(memory);
 }
 
-/// Blocks get what the list before the last left in exchange: room for the next one.
+/// Blocks get the memory of the list before the last in exchange, as capacity for the next one.
 void BatchNarrowPhase::keep_memory() {
   if (std::exchange(restored_, false)) return;
   if (!known_) return old_.clear();  // slots were renamed
@@ -81,7 +81,7 @@ void BatchNarrowPhase::keep_memory() {
   old_.resize(kept);
 }
 
-/// Both lists are sorted: one merge. Each pair is in one block of either list, so what it remembers moves.
+/// Both lists are sorted, so one merge suffices. Each pair is in one block of either list, so its memory is moved.
 void BatchNarrowPhase::find_memory(Memory& memory) {
   if (memory.known.empty()) return;
   const Pair first = memory.known.front().pair;

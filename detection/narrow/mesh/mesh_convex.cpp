@@ -16,8 +16,8 @@ constexpr double along_face = 1e-5;  // [rad]
 constexpr double same_edge_cosine = 0.7;  // directions nearer than 45 degrees at one point of the surface are one
 constexpr double narrow_enough = 1e-6;    // of the size: a wider interval than this is reported as degenerate
 
-/// All triangles lie in one face and none at its rim: the body sees a plane. (Where the face ended below the body, one
-/// of these would have an open or bent side.) A box on 30 triangles takes 0.2 us so (perf/mesh.cpp).
+/// True if all triangles are inside one face, so that the body is on a plane. (If the face ended below the body, one of
+/// them would have an open or bent side.) A box on 30 triangles then takes 0.2 us (perf/mesh.cpp).
 bool all_plain(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles) {
   return std::all_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) {
     const auto& kinds = mesh.edge_kinds[t];
@@ -26,7 +26,7 @@ bool all_plain(const TriangleMesh& mesh, std::span<const std::uint32_t> triangle
   });
 }
 
-/// Of the faces around the vertex farthest against n (its own axes) the one that looks most against n.
+/// The face most opposed to n (body axes) around the extreme vertex along -n.
 std::uint32_t face_against(const PolyhedronView& p, const Vec3& n) {
   const std::uint32_t v = ConvexHull::support_vertex(p, -n);
   std::uint32_t best = p.fans[p.fan_begin[v]];
@@ -45,7 +45,7 @@ void points_on_plane(const PlacedCore& b, const Vec3& n, const Vec3& point, cons
   for (std::size_t k = 0; k < set.size(); ++k) f(Vec3(b.pose.position + set.arm[k]), set.gap[k], set.feature[k]);
 }
 
-/// What a polyhedron turns towards a plane: a face.
+/// The face of a polyhedron towards a plane.
 class PolyhedronSide {
  public:
   explicit PolyhedronSide(const PolyhedronView& body) : body_(body) {}
@@ -56,7 +56,7 @@ class PolyhedronSide {
     for (std::uint32_t k = body_.face_begin[face]; k < body_.face_begin[face + 1]; ++k)
       out.push_back({body_.vertices[body_.face_vertices[k]], body_.face_vertices[k], 0});
   }
-  /// All its vertices below the plane: those of one face alone would let go of one that is deep when the face turns.
+  /// All vertices below the plane: with those of one face, a deep vertex would be lost when the face changes.
   template <class F>
   void on_plane(const PlacedCore& b, const Vec3& n, const Vec3& point, const F& f) const {
     const auto collide = [&](const HalfSpace& plane, const PairQuery& q, ContactSink& sink) {
@@ -108,7 +108,7 @@ class PolyhedronSide {
   const PolyhedronView& body_;
 };
 
-/// What a smooth body turns towards a plane: a flat side where it has one.
+/// The flat side, if any, of a smooth body towards a plane.
 class CoreSide {
  public:
   explicit CoreSide(const CoreOnPlane& body) : body_(body) {}
@@ -194,8 +194,8 @@ class ConvexOnMesh {
     std::ptrdiff_t begin, end;  ///< of its triangles
   };
 
-  /// Finds the triangles that the body is near to, of a plane the first one, and takes them in place of the candidates;
-  /// with their neighbours where the surface bends: the way out may lean on a face beyond a blunt edge. False: none is.
+  /// Replaces the candidates by the triangles near the body (of a plane by the first one), with their neighbours where
+  /// the surface bends, since the way out may end at a face beyond a blunt edge. Returns false if there are none.
   bool find_near() {
     const bool plain = all_plain(mesh_, triangles_);
     near_.clear();
@@ -218,13 +218,13 @@ class ConvexOnMesh {
   bool sees_front(std::uint32_t t) const { return fronts_[place_of(triangles_, t)]; }
   Vec3 normal_of(std::uint32_t t) const { return sees_front(t) ? mesh_.normals[t] : Vec3(-mesh_.normals[t]); }
 
-  /// The way out of the region; on a face where its plane is as good, within the tolerance.
+  /// The shortest way out of the region; along the normal of a face if this is as short within the tolerance.
   void solve() {
     WayOut way = find_way_out(b_, region_);
     if (way.uncertainty > narrow_enough * std::max(b_.core.radius, region_.radius)) sink_.mark_degenerate();
     if (!(way.gap - b_.sweep < b_.reach) || !is_on_surface(way.on_mesh)) return;
     const RegionPlane& best = best_plane();
-    // a plane within 1e-5 rad of the way out is meant
+    // a plane within 1e-5 rad of the way out is used instead
     const bool along = way.normal.cross(best.normal).squaredNorm() <= along_face * along_face;
     const double slack = along ? b_.tolerance : 1e-3 * b_.tolerance + 1e-12 * region_.radius;
     const std::size_t before = out_.size();
@@ -250,8 +250,8 @@ class ConvexOnMesh {
     solved_.push_back({way, begin, static_cast<std::ptrdiff_t>(solved_triangles_.size())});
   }
 
-  /// Where the deepest point of the body hangs over a rim, or lies between the corners of a round end, the region's own
-  /// point next to it holds it.
+  /// If the deepest point of the body is beyond a rim, or between the corners of a round end, the nearest point of the
+  /// region is the contact.
   void hold_deepest(const WayOut& way, std::size_t before) {
     const double gap = way.gap - b_.sweep;
     const auto holds = [&](const MeshPoint& p) { return p.gap <= gap + b_.tolerance; };
@@ -266,7 +266,7 @@ class ConvexOnMesh {
                     mesh_feature(region_.first, local_name(FeatureKind::single, region_.front, 0))});
   }
 
-  /// Another triangle stands between the point and the body: the far side of a plate thinner than the overlap.
+  /// True if another triangle is between the point and the body: the far side of a plate thinner than the overlap.
   bool is_hidden(const Vec3& point, const Vec3& n) const {
     const Vec3 way = n * n.dot(b_.pose.position - point);
     for (const std::uint32_t t : triangles_) {
@@ -278,7 +278,7 @@ class ConvexOnMesh {
     return false;
   }
 
-  /// Walls around a notch, seen from behind, bend away from each other, but nothing is between them.
+  /// True for walls around a notch, seen from behind: they bend away from each other, but enclose nothing.
   bool is_on_surface(const Vec3& x) const {
     return std::any_of(triangles_.begin(), triangles_.end(),
                        [&](std::uint32_t t) { return lies_on(mesh_, t, x, 10.0 * b_.tolerance); });
@@ -288,8 +288,8 @@ class ConvexOnMesh {
     return *std::max_element(region_.planes.begin(), region_.planes.end(),
                              [](const RegionPlane& a, const RegionPlane& b) { return a.gap < b.gap; });
   }
-  /// A triangle at x that is not of the region reaches out along the way, and the body would go into it or along the
-  /// surface: a concave or an inner edge.
+  /// True if a triangle at x outside the region extends along the way out, so that the body would move into it or along
+  /// the surface: a concave or an inner edge.
   bool leans_on_others(const WayOut& way, const Vec3& x) const {
     const auto& own = region_.triangles;
     for (const std::uint32_t t : triangles_) {
@@ -307,7 +307,7 @@ class ConvexOnMesh {
     }
     return false;
   }
-  /// The point belongs to a region that is as deep there.
+  /// True if another region that contains the point is as deep there.
   bool is_known(const WayOut& way) const {
     return std::any_of(solved_.begin(), solved_.end(), [&](const Solved& s) {
       const auto first = solved_triangles_.begin();
@@ -391,8 +391,8 @@ class ConvexOnMesh {
       return mesh_.face[t] == mesh_.face[face] && over_triangle(mesh_, t, x).beyond <= b_.tolerance;
     });
   }
-  /// Did the body come to x, behind the face of t, through that face and through no other before? Otherwise x belongs
-  /// to the surface beyond an edge: a corner of a box on a table is behind the table's side as well.
+  /// True if the body has reached x, behind the face of t, through that face first. Otherwise x belongs to the surface
+  /// beyond an edge: a corner of a box on a table is also behind the table's side.
   bool came_through(std::uint32_t face, const Vec3& n, const Vec3& x) const {
     const Vec3& point = mesh_.vertices[mesh_.triangles[face][0]];
     const Vec3& centre = b_.pose.position;

@@ -65,8 +65,8 @@ class Gathering {
     return std::none_of(region_.corners.begin(), region_.corners.end(),
                         [&](const Vec3& c) { return is_above(plane.normal, plane.point, body_.pose.position + c); });
   }
-  /// The convex outline of what is gathered in the plane of a face holds no notch of the face. A connected part of a
-  /// face whose outline reaches out of the face goes around a notch.
+  /// True if the convex outline of the triangles in the plane of a face contains no notch of the face. A connected part
+  /// whose outline leaves the face surrounds a notch.
   bool keeps_notches_out(const std::array<Vec3, 3>& corner) {
     wider_ = region_.notches;
     for (RegionNotch& n : wider_)
@@ -102,8 +102,8 @@ class Gathering {
   }
 };
 
-/// Which side of a surface a point sees, by the place of the surface nearest to it, there by the normals weighted with
-/// their angles (Baerentzen and Aanaes 2005).
+/// Side of a surface on which a point is, by the nearest surface point and its angle-weighted normal (Baerentzen and
+/// Aanaes 2005).
 struct NearestPlace {
   double distance = infinity, height = 0.0;
 
@@ -116,7 +116,7 @@ struct NearestPlace {
       height -= angle_at(near.part, corner) * mesh.normals[t].dot(near.point);
     distance = std::min(distance, near.distance);
   }
-  /// How far the surface goes around a point of a triangle [rad].
+  /// Angle of the surface around a point of a triangle [rad].
   static double angle_at(TrianglePart part, const std::array<Vec3, 3>& corner) {
     if (part == TrianglePart::face) return 2.0 * half_turn;
     if (part < TrianglePart::corner0) return half_turn;
