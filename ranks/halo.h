@@ -1,4 +1,4 @@
-/// @file halo.h  What a rank sees of bodies that others own: after each step their owners send what moves of them.
+/// @file halo.h  Ghosts of a rank: after each step the owners send the changed state of bodies.
 #pragma once
 #include <span>
 #include <utility>
@@ -13,12 +13,12 @@ class Halo {
  public:
   /// sends: ranks and slots; place: by slot, ascending, in the order of all bodies. By all ranks, as refresh.
   void set_up(const World& world, std::vector<std::pair<int, Slot>> sends, const std::vector<std::uint32_t>& place);
-  /// Position, velocity, force and whatever else of the state changes in a step.
+  /// Updates position, velocity, force and other state that changes in a step.
   void refresh(World& world) {
     begin(world);
     finish(world);
   }
-  /// The same in two steps: own bodies stay as they are in between, ghosts must not be read.
+  /// The same in two parts: in between, own bodies must not change and ghosts must not be read.
   void begin(World& world);
   void finish(World& world);
   std::span<const Slot> ghosts() const { return into_; }

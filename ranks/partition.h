@@ -16,11 +16,11 @@ class Partition {
   Partition(const Partition&) = delete;
   Partition& operator=(const Partition&) = delete;
 
-  /// New cuts, so that every rank has as much weight of all points; points: those of this rank, of weight 1 where none
-  /// are given. By all ranks.
+  /// Computes cuts with equal weights of all ranks; points: those of this rank, with weight 1 by default. Called by all
+  /// ranks.
   void cut(std::span<const Vec3> points, std::span<const float> weights = {});
   int owner(const Vec3& x) const;
-  /// All of a cube of this half side is in the part of this rank; true is sure, false is not.
+  /// True if a cube of this half side is certainly inside the part of this rank.
   bool is_deep(const Vec3& x, double half, int rank) const;
   /// Adds the ranks whose part meets a cube of this half side.
   void ranks_near(const Vec3& x, double half, std::vector<int>& ranks) const;

@@ -39,7 +39,7 @@ struct PlaceRow {
 PlaceRow place_of(const World& world, Slot s);
 void put_place(const PlaceRow& row, World& world);
 
-/// This rank tells of contact k: its owner, of two bodies that every rank has rank 0.
+/// True if this rank sends contact k: as its owner; rank 0 for two bodies that every rank has.
 bool tells_of(const World& world, Slot a, Slot b);
 
 }  // namespace epafi

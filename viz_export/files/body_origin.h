@@ -1,5 +1,4 @@
-/// @file body_origin.h  What the author of a scene wrote of a shape: the words and the axes that a file needs beside
-/// numbers so that a scene can read it back.
+/// @file body_origin.h  Description of a shape in the scene (text and axes), for files that a scene reads back.
 #pragma once
 #include <cstdint>
 #include <functional>

@@ -1,5 +1,5 @@
-/// @file body_record.h  One body as files show it: what snapshots store and frames draw. Made from the running world,
-/// or read back from run.h5, so that frames made afterwards are those that the run would have written.
+/// @file body_record.h  One body for snapshots and frames, from the running world or from run.h5, so that frames made
+/// afterwards equal those of the run.
 #pragma once
 #include <map>
 #include <memory>

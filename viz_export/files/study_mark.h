@@ -19,7 +19,7 @@ void write_study_mark(const std::filesystem::path& folder, const StudyMark& mark
 /// None where there is no such file, or none that can be read.
 [[nodiscard]] std::optional<StudyMark> read_study_mark(const std::filesystem::path& folder);
 
-/// What is missing, of the cases that have ended; empty where nothing is.
+/// Text on missing cases; empty if none is missing.
 [[nodiscard]] std::string unfinished_text(const StudyMark& mark, std::size_t ended);
 
 }  // namespace epafi

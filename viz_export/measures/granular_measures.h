@@ -1,4 +1,4 @@
-/// @file granular_measures.h  What granular users look at: one contact's loop, force chains, heaps, mixing, outlets.
+/// @file granular_measures.h  Granular measures: hysteresis of a contact, force chains, heaps, mixing, outlets.
 #pragma once
 #include <limits>
 #include <utility>
@@ -84,7 +84,7 @@ class MixingMeasure final : public Measure {
   double edge_;
 };
 
-/// What an outlet has taken out: count, mass [kg].
+/// Bodies removed by an outlet: count, mass [kg].
 class OutletMeasure final : public Measure {
  public:
   explicit OutletMeasure(MeasureSetup setup) : tally_(setup.tally) {}

@@ -1,5 +1,4 @@
-/// @file run_facts.h  What is known of a run in the form of its summary.json: of one that goes on or was killed what
-/// its other files tell.
+/// @file run_facts.h  Data of a run in the form of its summary.json; for a running or killed one from its other files.
 #pragma once
 #include <filesystem>
 
