@@ -15,7 +15,7 @@ namespace epafi {
 
 namespace {
 
-/// The part of a simulation's state that every step needs; counters, ledger and observers are with the whole.
+/// The state that every step needs; counters, ledger and observers belong to the whole simulation.
 StateWalk walk_of(Simulation& sim) {
   return [&sim](StateVisitor& visitor) {
     sim.pipeline.each_stage([&](auto& stage) { stage.visit(visitor); });
@@ -27,7 +27,7 @@ StateWalk walk_of(Simulation& sim) {
 
 }  // namespace
 
-/// The rows that have come are the state; their owners tell each other.
+/// Makes the received rows the state and sets up the exchange between owners.
 void Part::settle(StateImage& image, const Arrival& arrival) {
   forget_slots(sim_);
   restore(image, walk_of(sim_));
@@ -81,7 +81,7 @@ void Part::receive(Simulation* whole) {
   timer.lap(RankStage::sharing);
 }
 
-/// Bodies go to the ranks in whose parts they are now; longest: way of a body in the next step [m].
+/// Moves bodies to the ranks in whose parts they are now; longest: largest displacement in the next step [m].
 void Part::move(double longest) {
   suit_margin(longest);
   if (territory_.cut_if_uneven(sim_.world, sim_.world.owner, work_.seconds())) work_.take();
@@ -119,7 +119,8 @@ void Part::give_places(Simulation* whole) {
     if (world.owner[s] == World::everywhere) put_place(place_of(world, s), whole->world);
 }
 
-/// Those that this rank tells of; in_pieces: those of the model behind the others, as its own.
+/// Rows of the contacts that this rank reports; in_pieces: those that the contact model keeps follow, marked as its
+/// own.
 RowBytes Part::contact_rows(bool in_pieces) {
   const World& world = sim_.world;
   ContactSet& set = sim_.work.contacts;
@@ -147,7 +148,8 @@ RowBytes Part::contact_rows(bool in_pieces) {
 
 namespace {
 
-/// Of a body in a contact, as a contact model orders what it keeps by itself: balls of free clumps, held balls, others.
+/// Sort key of a body in a contact, as a contact model orders the contacts that it keeps: balls of free clumps, held
+/// balls, others.
 struct PlaceInModel {
   int kind;
   Slot body;
@@ -165,7 +167,7 @@ struct ContactKey {
 
 }  // namespace
 
-/// Those of the model stand by the lower place, or the ball's at a plane.
+/// Contacts of the model are sorted by the lower of the two keys, at a plane by that of the ball.
 void Part::put_contacts(const RowBytes& rows, World& world, ContactSet& all) const {
   const auto is_plane = [&](Slot s) { return std::isinf(territory_.radius(world.shape[s])); };
   const auto place_of = [&](Slot s, Feature& parts) -> PlaceInModel {
@@ -230,14 +232,15 @@ Part::Speeds Part::speeds_of_own() const {
   return all;
 }
 
-/// With which the bodies go through the step that has begun: no acceleration comes on top.
+/// Velocities of the bodies in the step that has begun, without an acceleration.
 Part::Speeds Part::speeds_of(const Extent& begun) const {
   const Vec3 &low = begun.slowest, &high = begun.fastest;
   const double none = own_ > 0.0 ? 0.0 : -std::numeric_limits<double>::infinity();
   return {high.x(), high.y(), high.z(), -low.x(), -low.y(), -low.z(), none};
 }
 
-/// Of all ranks. In a cell that deforms nothing is common: the flow would change it.
+/// Takes the largest velocities over all ranks. In a deforming cell bodies have no common displacement: the flow would
+/// change it.
 void Part::take_speeds(std::span<const double> largest) {
   if (!(largest[6] >= 0.0)) return;  // nobody has bodies
   for (std::size_t k = 0; k < 3; ++k) {
@@ -248,7 +251,7 @@ void Part::take_speeds(std::span<const double> largest) {
   motion_.acceleration = largest[6];
 }
 
-/// Beside what they do together and the flow of the cell [m].
+/// Largest displacement of this rank's bodies relative to their common one and to the flow of the cell [m].
 double Part::farthest_of_own() const {
   const World& world = sim_.world;
   const Vec3 low = world.cell ? world.cell->low : Vec3(Vec3::Zero());
@@ -262,7 +265,7 @@ double Part::farthest_of_own() const {
   }));
 }
 
-/// The cell has deformed before this step: what was so far apart is farther or nearer now.
+/// Scales distances by the deformation of the cell before this step.
 void Part::note_flow(double dt) {
   double most = 1.0;
   for (const double rate : sim_.world.cell->strain_rate)
@@ -271,8 +274,8 @@ void Part::note_flow(double dt) {
   start_.grown *= most;
 }
 
-/// No body leaves the margin in the next step. Ways are sums of what the fastest body may have gone in each step, and
-/// measured only where these are too long.
+/// True where no body leaves the margin in the next step. Displacements are bounded by the sum of the fastest body's in
+/// each step, and measured only where this bound is too large.
 bool Part::stays(double dt) {
   const auto is_near = [&] {
     const double grown = start_.grown;
@@ -284,8 +287,9 @@ bool Part::stays(double dt) {
   return is_near();
 }
 
-/// Those that every rank does by itself; what they have booked as work, at rank 0 [J]. Where an earlier event moves
-/// free bodies, a common one asks them when its turn comes, else it has done so behind the last step.
+/// Runs the events that every rank runs by itself; returns their work, at rank 0 [J]. Common events need an answer from
+/// all ranks: they got it after the last step, or get it here where an earlier event (a deforming cell) moves free
+/// bodies.
 double Part::act_events(double dt) {
   World& world = sim_.world;
   if (std::exchange(prepared_, false)) return 0.0;
@@ -306,8 +310,8 @@ double Part::act_events(double dt) {
   return sim_.ledger.last().work - work + 0.5 * dt * (sim_.held_power() - power);
 }
 
-/// Sees to it that all bodies which contacts need in the step are here. True where bodies have come when its first half
-/// was done.
+/// Ensures that this rank has all bodies that contacts need in the step. True where bodies arrived after its first
+/// half.
 bool Part::hold(double dt) {
   const bool ahead = sim_.is_ahead();
   if (ahead) motion_.go(dt);
@@ -318,7 +322,7 @@ bool Part::hold(double dt) {
   return ahead && moves;
 }
 
-/// As Simulation::make_step, of all ranks: they know alike what is asked here.
+/// As in Simulation::make_step; gives the same answer on all ranks.
 bool Part::may_run_on(const std::optional<Domain>& domain) const {
   if (settled_ || (sim_.is_ahead() ? !inside_ || (domain && !had_domain_) : domain.has_value())) return false;
   return std::ranges::all_of(sim_.events,
@@ -337,7 +341,7 @@ bool Part::step(double dt, const std::optional<Domain>& domain, bool run_on, Ste
   virial_is_joined_ = false;
   work_.begin();
   if (sim_.loads) sim_.loads->before_step(world, dt);
-  // the work of a strain is by the forces before and after it: process 0 books the former, of all contacts
+  // the work of a strain uses the forces before and after it: process 0 books the former, for all contacts
   if (world.cell && rank_number() != 0) world.cell->virial.setZero();
   const RunOn leave{[](const Extent&) { return true; }, true};
   StageTimer stages(sim_.work.report.seconds);

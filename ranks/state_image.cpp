@@ -47,7 +47,7 @@ class ImageLoader final : public StateVisitor {
   StateImage& image_;
 };
 
-/// Columns whose rows travel together.
+/// Columns whose rows are sent together.
 struct RowGroup {
   std::vector<ImageColumn*> columns;
   bool slots_inside = false;  ///< in the first bytes of a row of the first column; else they are columns of their own
@@ -63,7 +63,7 @@ struct RowGroup {
       to += c->row;
     }
   }
-  /// Row k of `order` becomes row k; rows: so many bytes apart.
+  /// Copies row order[k] to row k; apart: bytes from one row to the next.
   void read(const std::byte* rows, std::size_t apart, const std::vector<std::uint32_t>& order) const {
     std::size_t offset = 0;
     for (ImageColumn* c : columns) {
@@ -105,7 +105,7 @@ struct ContactHead {
   std::uint32_t a, b;  ///< places
 };
 
-/// Rows of a group with heads on their way.
+/// Rows of a group with their heads, to be sent.
 template <class Head>
 struct Parcel {
   const RowGroup& group;
@@ -147,7 +147,7 @@ struct Parcel {
   }
 };
 
-/// What is sorted from rank to rank is sorted in all then.
+/// Merges sorted runs, one per rank, into a sorted whole.
 template <class Less>
 void merge_runs(std::vector<std::uint32_t>& order, const Less& less) {
   std::vector<std::size_t> begin{0};
@@ -166,7 +166,7 @@ void merge_runs(std::vector<std::uint32_t>& order, const Less& less) {
   }
 }
 
-/// In the order of all bodies.
+/// Received bodies are sorted by their place among all bodies.
 void exchange_bodies(const RowGroup& group, const Routes& routes, Arrival& arrival) {
   Parcel<BodyHead> parcel{group};
   parcel.items.reserve(routes.to.size());
@@ -223,7 +223,7 @@ void exchange_contacts(const RowGroup& group, const Routes& routes, Arrival& arr
   };
   std::vector<std::uint32_t> order(heads.size());
   std::iota(order.begin(), order.end(), 0u);
-  // those of one pair come from one rank, in the order of their features
+  // contacts of one pair come from one rank, in the order of their features
   std::ranges::stable_sort(order, {}, [&](std::uint32_t k) { return std::pair(heads[k].a, heads[k].b); });
   parcel.unpack(order);
   for (std::size_t k = 0; k < order.size(); ++k) {
@@ -232,7 +232,7 @@ void exchange_contacts(const RowGroup& group, const Routes& routes, Arrival& arr
   }
 }
 
-/// The slots of all ids, from the ids of all slots.
+/// Fills the slot of each id from the id of each slot.
 void find_slots(StateImage& image) {
   const auto ids = std::ranges::find(image, std::string("world/id"), &ImageColumn::name);
   for (ImageColumn& c : image) {
