@@ -60,7 +60,7 @@ struct FirstSteps {
 };
 
 /// Seconds by the processor.
-struct ForetoldTime {
+struct PredictedTime {
   double start = 0.0, steps = 0.0, output = 0.0;
   double total() const { return start + steps + output; }
 };
@@ -108,8 +108,8 @@ inline double falling_share(double height, double gravity, double duration, doub
 }
 
 /// speed: of this machine over that of the prices.
-inline ForetoldTime foretell_time(const RunCounts& run, const FirstSteps& first, double speed) {
-  ForetoldTime out;
+inline PredictedTime predict_time(const RunCounts& run, const FirstSteps& first, double speed) {
+  PredictedTime out;
   out.start = first.start + predicted::start_of_run / speed;
   out.output = run.outputs *
                (predicted::output_itself + predicted::output_body * run.bodies + predicted::output_point * run.points) /

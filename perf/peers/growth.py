@@ -9,7 +9,7 @@ floor, each the mirror image of its neighbours (a sphere that leant on a wall le
 into each other's gaps), and runs them on one thread, the same steps for all, in turns. Prints, and writes to table.md:
 nanoseconds per sphere and step by the clocks of the stages (median, smallest, largest; processor time of runs of 300
 and of 10 steps, subtracted, gave 29 to 44 ns for 10 000), over that of 10 000; the peak of the whole process over the
-number of spheres and what `epafi explain` foretells without program and room to grow; beside them what the runs got
+number of spheres and what `epafi explain` predicts without program and room to grow; beside them what the runs got
 right: the height of the centre of mass and the overlap in percent of the radius.
 """
 import argparse

@@ -10,7 +10,7 @@ walls of 0.2 m between them. The first `warm` steps, in which the copies settle 
 same run resumed) are timed on one thread, without output. Prints, and writes to table.md: for both microseconds per
 body and step and sweeps per step (fewer where the tolerance is met), the first over that of the smallest number,
 milliseconds per step at the end, contacts per body, the peak of the process over the number of bodies and what `epafi
-explain` foretells (without program, output, drawn surfaces and room to grow); beside them what the runs got right:
+explain` predicts (without program, output, drawn surfaces and room to grow); beside them what the runs got right:
 largest and mean overlap in percent of the radius, kinetic energy as a velocity (root of 2 E / m), bodies lost.
 """
 import argparse

@@ -126,7 +126,7 @@ double predicted_memory(Assembly& a, std::size_t free, std::size_t later, bool p
          static_cast<double>(later) * beside * static_cast<double>(a.plan.memory.body);
 }
 
-std::string time_text(const ForetoldTime& time, const RunCounts& run, double present) {
+std::string time_text(const PredictedTime& time, const RunCounts& run, double present) {
   if (present < 0.1) return "  wall time     unknown: nearly all bodies enter after the first steps\n";
   return fmt::format(
       "  processor     about {:.3g} s: {:.3g} s of steps and measures (from the first ones and expected contacts), "
@@ -220,13 +220,13 @@ double drawn_points(const Assembly& a) {
 }
 
 /// Of a later stage: its steps cost what those of the first do once its bodies lie on each other.
-ForetoldTime foretell_stage(RunCounts run, const FirstSteps& first, const StageCheck& stage, double speed) {
+PredictedTime predict_stage(RunCounts run, const FirstSteps& first, const StageCheck& stage, double speed) {
   run.steps = stage.steps;
   run.outputs = stage.outputs;
   run.falling = 0.0;
   FirstSteps lasting = first;
   lasting.start = lasting.seconds = lasting.made = 0.0;
-  ForetoldTime out = foretell_time(run, lasting, speed);
+  PredictedTime out = predict_time(run, lasting, speed);
   out.start = 0.0;
   return out;
 }
@@ -320,9 +320,9 @@ std::string check_text(Assembly& a, const std::vector<StageCheck>& stages) {
   run.loose = share_to_come(sim, run.bodies);
   first.present = (static_cast<double>(free) - gone) / run.bodies;
   const double speed = machine_speed();
-  ForetoldTime time = foretell_time(run, first, speed);
+  PredictedTime time = predict_time(run, first, speed);
   for (const StageCheck& stage : stages) {
-    const ForetoldTime more = foretell_stage(run, first, stage, speed);
+    const PredictedTime more = predict_stage(run, first, stage, speed);
     time.steps += more.steps;
     time.output += more.output;
   }

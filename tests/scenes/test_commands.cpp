@@ -181,44 +181,44 @@ TEST_CASE("loops over few bodies are not shared out over threads", "[scenes][pre
 TEST_CASE("a run whose steps were all made takes what they took, its start and its output", "[scenes][predicted]") {
   const FirstSteps first{.start = 0.5, .seconds = 2.0, .made = 100, .present = 1.0, .later = 0.1};
   RunCounts run{.steps = 100, .bodies = 10, .loose = 1.0};
-  const ForetoldTime alone = foretell_time(run, first, 1.0);
+  const PredictedTime alone = predict_time(run, first, 1.0);
   CHECK(alone.steps == 2.0);
   CHECK(alone.output == 0.0);
   CHECK(alone.start >= 0.5);
   run.outputs = 100;
-  const double some = foretell_time(run, first, 1.0).output;
+  const double some = predict_time(run, first, 1.0).output;
   run.outputs = 200;
-  CHECK(foretell_time(run, first, 1.0).output == Approx(2.0 * some));
+  CHECK(predict_time(run, first, 1.0).output == Approx(2.0 * some));
   // half as fast a machine takes twice as long for what is priced, not for what was measured
-  CHECK(foretell_time(run, first, 0.5).output == Approx(4.0 * some));
-  CHECK(foretell_time(run, first, 0.5).steps == 2.0);
+  CHECK(predict_time(run, first, 0.5).output == Approx(4.0 * some));
+  CHECK(predict_time(run, first, 0.5).steps == 2.0);
 }
 
 TEST_CASE("steps to come cost as the last ones, with what the bodies lack of a packing", "[scenes][predicted]") {
   const FirstSteps first{.seconds = 1.0, .made = 100, .present = 0.5, .later = 0.02};
   RunCounts run{.steps = 1100, .bodies = 1000, .polyhedra = 1000, .sweeps = 50};
   // half of the bodies are there: all cost twice as much
-  CHECK(foretell_time(run, first, 1.0).steps == Approx(1.0 + 1000 * 0.04));
+  CHECK(predict_time(run, first, 1.0).steps == Approx(1.0 + 1000 * 0.04));
   run.loose = 1.0;
-  const double packed = foretell_time(run, first, 1.0).steps - 41.0;
+  const double packed = predict_time(run, first, 1.0).steps - 41.0;
   CHECK(packed > 0.0);
   run.loose = 0.5;
-  CHECK(foretell_time(run, first, 1.0).steps == Approx(41.0 + 0.5 * packed));
+  CHECK(predict_time(run, first, 1.0).steps == Approx(41.0 + 0.5 * packed));
   run.falling = 0.75;
-  CHECK(foretell_time(run, first, 1.0).steps == Approx(41.0 + 0.125 * packed));
+  CHECK(predict_time(run, first, 1.0).steps == Approx(41.0 + 0.125 * packed));
   // sweeps over its contacts are the larger part of a pile by a solver that sweeps
   run.sweeps = 0.0;
   run.loose = 1.0;
   run.falling = 0.0;
-  CHECK(foretell_time(run, first, 1.0).steps - 41.0 < packed);
+  CHECK(predict_time(run, first, 1.0).steps - 41.0 < packed);
   run.polyhedra = 0.0;
-  const double balls = foretell_time(run, first, 1.0).steps;
+  const double balls = predict_time(run, first, 1.0).steps;
   CHECK(balls - 41.0 < 0.1 * packed);
   run.reading = 2.0;
-  const double read = foretell_time(run, first, 1.0).steps - balls;
+  const double read = predict_time(run, first, 1.0).steps - balls;
   CHECK(read > 0.0);
   run.reading = 0.5;
-  CHECK(foretell_time(run, first, 1.0).steps - balls == Approx(0.25 * read));
+  CHECK(predict_time(run, first, 1.0).steps - balls == Approx(0.25 * read));
 }
 
 TEST_CASE("half of the bodies that fall from up to a height are down after the fall from its half",

@@ -68,7 +68,7 @@ TEST_CASE("a scene pays memory for what it declares, not for more", "[scenes][me
 #endif
 
 #ifndef EPAFI_SANITIZED
-TEST_CASE("what explain foretells is most of what a run takes", "[scenes][memory]") {
+TEST_CASE("what explain predicts is most of what a run takes", "[scenes][memory]") {
   const auto [scene, overrides, most] = GENERATE(table<std::string, std::vector<std::string>, double>(
       {{"bed/bed.toml", {"params.n=60000"}, 1.4}, {"pile/polyhedra.toml", {"run.duration=0.1"}, 1.9}}));
   const support::KeepThreads keep;

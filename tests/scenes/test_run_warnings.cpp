@@ -1,5 +1,5 @@
 // What a run says of itself where its energy balance opens, of overlaps between the looks, of slow sources; what
-// `check` foretells of measures.
+// `check` predicts of measures.
 #include <cmath>
 #include <fstream>
 #include <random>
