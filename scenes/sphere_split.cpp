@@ -85,7 +85,7 @@ bool BlockBoundPairs::ends_with_others(std::span<const double> displacements, do
     used = std::max(used, used_margin_[b] + strain_use);
     next = std::max(next, used_margin_[b] + displacements[b] + strain_use);
   }
-  foreseen_ = {next >= nearly, nearly_used_up.by_slow};
+  predicted_ = {next >= nearly, nearly_used_up.by_slow};
   if (!theirs_.comes || !(used > 0.5)) return false;
   used_up_ = {true, theirs_.by_slow};
   return true;
@@ -93,7 +93,7 @@ bool BlockBoundPairs::ends_with_others(std::span<const double> displacements, do
 
 bool BlockBoundPairs::keeps_pairs(const World& world) {
   list_->see_time(world.time);
-  foreseen_ = {};
+  predicted_ = {};
   const std::span<const double> displacements = model() ? model()->largest_displacements() : std::span<const double>{};
   displacements_known_ = !displacements.empty() && list_->bodies().bodies() == world.size();
   const bool known = keep_bounds(world);
@@ -107,7 +107,7 @@ bool BlockBoundPairs::keeps_pairs(const World& world) {
   const ListFrame now = bodies.frame(world);
   // what the cell flows past: displacements of bodies that are held, and of a frame that drifts
   const bool all = now.flows() && (bodies.holds_bounded() || !now.common.isZero(0.0));
-  const double more = world.owner.empty() ? 0.0 : 1.0;  // of several processes the next step is foreseen
+  const double more = world.owner.empty() ? 0.0 : 1.0;  // of several processes the next step is predicted
   for (std::size_t b = 0; b < displacements.size(); ++b)
     if ((used_margin_[b] += displacements[b]) + more * displacements[b] + now.strain_use >= nearly || all)
       doubtful_.push_back(b);

@@ -23,7 +23,7 @@ class BlockBoundPairs final : public BroadPhase, public SharedList {
   const char* name() const override { return list_->name(); }
   void find_pairs(const World& world, PairList& pairs) override;
   bool keeps_pairs(const World& world) override;
-  End foreseen() const override { return foreseen_; }
+  End predicted_end() const override { return predicted_; }
   void end_with_others(const End& theirs) override { theirs_ = theirs; }
   void reorder(const Reordering& change) override {
     used_margin_.clear();
@@ -49,7 +49,7 @@ class BlockBoundPairs final : public BroadPhase, public SharedList {
   std::vector<double>
       used_margin_;  ///< by block of the model: at least the largest used_margin of its bodies; empty: not known
   bool displacements_known_ = false;   ///< in this step
-  End foreseen_, theirs_;              ///< as SharedList has them: of this process, of all in this step
+  End predicted_, theirs_;             ///< as SharedList has them: of this process, of all in this step
   Vec3 cell_size_ = Vec3::Zero();      ///< as used_margin_ knows it, in a periodic cell [m]
   std::vector<Wraps> wraps_;           ///< the same: bodies put back into the cell have moved by an edge of it
   ListState used_up_;                  ///< state of the list when it ended

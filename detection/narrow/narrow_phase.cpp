@@ -162,7 +162,7 @@ void BatchNarrowPhase::join(ContactSet& out) {
       1);
 }
 
-void BatchNarrowPhase::foresee_motion(const World& world) {
+void BatchNarrowPhase::predict_motion(const World& world) {
   if (!(seconds_ > 0.0)) return;
   motion_.resize(world.size());
   parallel_for(world.size(), [&](std::size_t s) {
@@ -175,7 +175,7 @@ void BatchNarrowPhase::foresee_motion(const World& world) {
 
 void BatchNarrowPhase::collide(const World& world, const PairList& list, ContactSet& contacts) {
   const std::size_t n = list.pairs.size();
-  foresee_motion(world);
+  predict_motion(world);
   const bool fresh = !known_ || generation_ != list.generation || pairs_ != n;
   if (fresh) {
     keep_memory();

@@ -77,7 +77,7 @@ class BatchNarrowPhase : public NarrowPhase {
   void find_memory(Memory& memory);
   void collide_block(const World& world, Block& block);
   void join(ContactSet& contacts);
-  void foresee_motion(const World& world);
+  void predict_motion(const World& world);
 
   const ShapeStore& shapes_;
   double reach_, least_reach_ = 0.0, seconds_ = 0.0;

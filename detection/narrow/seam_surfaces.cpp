@@ -102,10 +102,10 @@ void Seams::rest_on_few(const World& world, ContactSet& contacts, std::span<cons
       for (const std::uint32_t m : surface) contacts.joined.push_back({body, wall_of(k), wall_of(m)});
   };
   for (OutlineCorners& o : outlines_) o.corners.clear();
-  if (!foreseen_) find_corners(world, body, Vec3::Zero(), outlines_[0]);
+  if (!predicted_) find_corners(world, body, Vec3::Zero(), outlines_[0]);
   if (springs_ && surface.size() == 1) find_corners(world, first.b, first.branch, outlines_[1]);
   outlines_[1].side = -1.0;
-  if (surface.size() > 1 && !foreseen_) {
+  if (surface.size() > 1 && !predicted_) {
     join_all();
     rest_on_tops(world, contacts, surface, size);
   }

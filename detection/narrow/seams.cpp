@@ -62,8 +62,8 @@ Vec3 point_on(const World& world, const ContactSet& contacts, std::size_t i, boo
 
 }  // namespace
 
-void Seams::find(const World& world, bool foreseen) {
-  foreseen_ = foreseen;
+void Seams::find(const World& world, bool predicted) {
+  predicted_ = predicted;
   flat_.resize(world.size());
   convex_.resize(world.size());
   radius_.resize(world.size());
@@ -376,7 +376,7 @@ bool Seams::holds_instead(const World& world, const ContactSet& contacts, const 
   const std::size_t begin = other.held->begin, end = other.held->end;
   // the body may be inclined: at the wall it is not as deep as at the point
   const double deep = other.level + other.held->depth;
-  const bool foreseen = contacts.gap[c.contact] > 0.0;
+  const bool predicted = contacts.gap[c.contact] > 0.0;
   for (std::size_t k = begin; k < end; ++k) {
     if (k == c.contact || hidden_[k] != 0) continue;
     const Candidate held = candidate(world, contacts, k, contacts.b[k] == other.wall);
@@ -388,7 +388,7 @@ bool Seams::holds_instead(const World& world, const ContactSet& contacts, const 
     const Vec3 n = flat ? side_normal(shapes_, held.piece, held.point, held.normal, -infinity) : held.normal;
     if (!beyond) continue;
     Vec3 at = c.point;
-    if (foreseen && held.on_wall) at += std::max(0.0, n.dot(held.point + other.shift - at)) * n;
+    if (predicted && held.on_wall) at += std::max(0.0, n.dot(held.point + other.shift - at)) * n;
     const auto ends_at = [&](const WallPiece& piece) {
       const Vec3 own = side_normal(shapes_, piece, at, n, -infinity);
       return !goes_beyond(shapes_, piece, at, own.dot(n) > level_cosine ? own : n, deep);

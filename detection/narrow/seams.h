@@ -38,9 +38,9 @@ class Seams {
   /// `shapes` must outlive this. reach: of contacts [m]; 0: smooth laws without adhesion.
   Seams(const ShapeStore& shapes, double reach) : shapes_(shapes), reach_(reach), springs_(!(reach > 0.0)) {}
 
-  /// Finds the bodies with flat faces; call it whenever slots change. foreseen: contacts without overlap carry no load
+  /// Finds the bodies with flat faces; call it whenever slots change. predicted: contacts without overlap carry no load
   /// yet.
-  void find(const World& world, bool foreseen);
+  void find(const World& world, bool predicted);
   bool knows(const World& world) const { return flat_.size() == world.size(); }
   /// Removes contacts that the union does not have; the others keep their order. Expects contacts of the narrow phase,
   /// without forces and areas.
@@ -156,7 +156,7 @@ class Seams {
   const ShapeStore& shapes_;
   double reach_;
   bool springs_;
-  bool foreseen_ = false;
+  bool predicted_ = false;
   bool solids_ = false;                     ///< some body has parts
   bool joins_ = false;                      ///< there are bodies with flat faces that may touch
   std::vector<std::uint8_t> flat_;          ///< by slot: has flat faces

@@ -12,7 +12,7 @@ class SharedList {
     bool comes = false;    ///< it is not valid for the next step
     bool by_slow = false;  ///< because of a body with the least margin, which the next margins depend on
   };
-  virtual End foreseen() const = 0;
+  virtual End predicted_end() const = 0;
   /// The list of some process ends: rebuild in the next step if half of this one's margin is used up.
   virtual void end_with_others(const End& theirs) = 0;
 };

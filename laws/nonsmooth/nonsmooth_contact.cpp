@@ -93,7 +93,7 @@ void NonsmoothContact::start(const World& world, const ContactSet& contacts, dou
       problem_.lag[i] = (size > most ? 0.5 * most / size : 0.5) * turned;
     }
     if (contacts.gap[i] >= 0.0 || problem_.offset[i] < 0.0) return;
-    const double missed = memory_.foreseen(i) - contacts.gap[i], approach = -u_before_[i].x();
+    const double missed = memory_.predicted_gap(i) - contacts.gap[i], approach = -u_before_[i].x();
     if (balances_ && approach <= 0.0) return;
     problem_.offset[i] = -std::clamp(missed / dt, 0.0, std::max(0.0, approach));
   });
@@ -120,12 +120,12 @@ bool NonsmoothContact::release_induced(const World& world, const ContactSet& con
   return block_max<char>(contacts.size(), 0, released) != 0;
 }
 
-/// Computes r_ and, by foresee(), velocities and gaps.
+/// Computes r_ and, by predict(), velocities and gaps.
 SolverReport NonsmoothContact::solve(const World& world, const ContactSet& contacts, double dt) {
   SolverReport report{true, 0, infinity};
   const double good = solver_->good_start();
   if (good > 0.0) {
-    foresee(contacts, dt);
+    predict(contacts, dt);
     free_motion_ = measure_free_motion(problem_);
     report.residual = measure_residual(problem_, r_, u_, rho_, free_motion_).value;
     parallel_copy(r_, start_);
@@ -148,13 +148,13 @@ SolverReport NonsmoothContact::solve(const World& world, const ContactSet& conta
     solved_ = true;
   }
   if (solved_) {
-    foresee(contacts, dt);
+    predict(contacts, dt);
     free_motion_ = measure_free_motion(problem_);  // without the contacts that were released
     report.residual = measure_residual(problem_, r_, u_, rho_, free_motion_).value;
   }
   report.converged = report.residual <= tolerance_;
   // not the solver's residual: the correction of a gain within its tolerance changes the impulses
-  if (balances_ && balance_.any() && balance_.clip({problem_, r_, u_struck_, u_after_}, r_)) foresee(contacts, dt);
+  if (balances_ && balance_.any() && balance_.clip({problem_, r_, u_struck_, u_after_}, r_)) predict(contacts, dt);
   return report;
 }
 
@@ -165,7 +165,7 @@ void NonsmoothContact::even_pressure(const ContactSet& contacts, double dt, cons
   constexpr double touching = 1e-3;  // of the largest speed that impulses change
   const double slow = touching * measure_free_motion(problem_).largest;
   for (int round = 0; round < rounds; ++round) {
-    foresee(contacts, dt);
+    predict(contacts, dt);
     if (!even_pressure_.apply(problem_, u_, slow, r_)) return;
     solve();
   }
@@ -174,11 +174,11 @@ void NonsmoothContact::even_pressure(const ContactSet& contacts, double dt, cons
 /// Solves again while friction in impacts of some island creates energy.
 void NonsmoothContact::balance(const ContactSet& contacts, double dt, const std::function<void()>& solve) {
   const ImpactBalance::Solved solved{problem_, r_, u_struck_, u_after_};
-  foresee(contacts, dt);
+  predict(contacts, dt);
   balance_.find_islands(solved);
   while (balance_.tighten(solved, tolerance_, problem_)) {
     solve();
-    foresee(contacts, dt);
+    predict(contacts, dt);
   }
 }
 
@@ -210,14 +210,14 @@ const Impulses& NonsmoothContact::calmest(double creep) {
   parallel_copy(start_, calmed_);
   solver_->calm(u_start_, calmed_);
   if (solved_) problem_.velocities(start_, calmed_velocities_);
-  const double before = foreseen_residual(start_, solved_ ? &calmed_velocities_ : nullptr);
+  const double before = predicted_residual(start_, solved_ ? &calmed_velocities_ : nullptr);
   problem_.velocities(calmed_, calmed_velocities_);
-  return foreseen_residual(calmed_, &calmed_velocities_) < before ? calmed_ : start_;
+  return predicted_residual(calmed_, &calmed_velocities_) < before ? calmed_ : start_;
 }
 
 /// Residual with which the next step would start from r if bodies did not move: r changes its velocities as it would
 /// have changed those of this step, to v; null: to the velocities at the end of this step.
-double NonsmoothContact::foreseen_residual(const Impulses& r, const BodyVelocities* v) {
+double NonsmoothContact::predicted_residual(const Impulses& r, const BodyVelocities* v) {
   renew(u_next_, r.size());
   parallel_for(r.size(), [&](std::size_t i) {
     const Vec3 change = (v ? problem_.relative_velocity(i, *v) : u_after_[i]) - u_before_[i];
@@ -290,7 +290,7 @@ void NonsmoothContact::move_walls(World& world, double dt) const {
 }
 
 /// Computes v_{k+1}, u_{k+1} (with w as in the problem), and from it the gaps at the next detection.
-void NonsmoothContact::foresee(const ContactSet& contacts, double dt) {
+void NonsmoothContact::predict(const ContactSet& contacts, double dt) {
   problem_.velocities(r_, after_, &moments_);
   renew(u_, contacts.size());
   renew(u_after_, contacts.size());
@@ -303,7 +303,7 @@ void NonsmoothContact::foresee(const ContactSet& contacts, double dt) {
 }
 
 /// The gaps at the next detection, with the displacements by located impacts.
-void NonsmoothContact::foresee_displacement() {
+void NonsmoothContact::predict_displacement() {
   parallel_for(next_gap_.size(),
                [&](std::size_t i) { next_gap_[i] += problem_.relative_velocity(i, impacts_.displacement()).x(); });
 }
@@ -330,7 +330,7 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   if (single) see_strikes();
   solver_->see(world, before_, contacts, clock.dt);
   report.solver = solve(world, contacts, clock.dt);
-  if (single) foresee_displacement();
+  if (single) predict_displacement();
   report.trouble = look_for_trouble(report.solver);
   // impacts do not recur: r_ without them
   if (warm_start_) memory_.remember(world, contacts, problem_, calmest(creep * threshold), next_gap_, u_after_);

@@ -17,7 +17,7 @@ class WarmStart {
   bool same() const;
   /// Data of contact i from the last step: the gap predicted for now [m], and the final slip velocity (B against A,
   /// world axes) [m/s]. -infinity and none for a contact that is new or had no impulse.
-  double foreseen(std::size_t i) const;
+  double predicted_gap(std::size_t i) const;
   std::optional<Vec3> slip(std::size_t i) const;
   /// Stores the impulses of these contacts, the gaps predicted for the next detection [m], and the slip of the final
   /// relative velocities u.
@@ -38,7 +38,7 @@ class WarmStart {
   UnwrittenStream<Feature> feature_;
   std::vector<Vec3> arm_;        ///< from A's centre, in A's axes [m]
   std::vector<Vec3> impulse_;    ///< on B, world axes [N s]
-  UnwrittenStream<double> gap_;  ///< foreseen [m]
+  UnwrittenStream<double> gap_;  ///< predicted [m]
   std::vector<Vec3> slip_;       ///< world axes [m/s]
 
   UnwrittenStream<std::uint32_t> runs_;      ///< of one pair each: the first contact
