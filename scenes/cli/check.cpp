@@ -31,7 +31,7 @@ std::string solids_text(const Assembly& a) {
   return out;
 }
 
-/// Number of joined vertices of each mesh.
+/// Triangles, faces and joined vertices of each mesh.
 std::string meshes_text(const Assembly& a) {
   std::string out;
   for (const TriangleMesh& m : a.shapes->of<TriangleMesh>()) {

@@ -10,7 +10,7 @@
 namespace epafi {
 namespace {
 
-/// Names at the top of a file: those of tables without a dot, and `title`.
+/// Checks the names at the top of a file: `title`, `include` and tables.
 void check_top(Reading& reading) {
   std::vector<std::string> known{"title", "include"};
   for (const auto& table : reading.schema.tables)
@@ -29,7 +29,7 @@ void check_top(Reading& reading) {
     reading.error(title->place, std::string("title: expected a text, found ") + type_name(title->type));
 }
 
-/// The main file first, then others in the order they were met, then --set; inside a file by line.
+/// Sorts by file (main file, others in the order of reading, --set), then by line.
 void sort_by_place(std::vector<Problem>& problems, const std::string& main_file) {
   const auto rank = [&](const Problem& p) { return p.place.file == main_file ? 0 : is_override(p.place) ? 2 : 1; };
   std::stable_sort(problems.begin(), problems.end(), [&](const Problem& a, const Problem& b) {
@@ -38,7 +38,7 @@ void sort_by_place(std::vector<Problem>& problems, const std::string& main_file)
   });
 }
 
-/// The parts of one stage's scene, in the order in which they need each other.
+/// Reads the parts of one stage's scene, in the order of their dependences.
 void read_parts(Draft& draft) {
   for (const auto read :
        {read_run,      read_stages, read_world,      read_materials, read_contact,      read_detection, read_shapes,
@@ -48,7 +48,7 @@ void read_parts(Draft& draft) {
   }
 }
 
-/// Problems of all stages, each reported once.
+/// Appends problems of a stage that are not yet reported.
 void append_new(std::vector<Problem>& all, const std::vector<Problem>& more) {
   for (const Problem& p : more) {
     const bool known = std::any_of(all.begin(), all.end(), [&](const Problem& q) {
@@ -59,7 +59,7 @@ void append_new(std::vector<Problem>& all, const std::vector<Problem>& more) {
   }
 }
 
-/// What all stages are read from.
+/// Source from which all stages are read.
 struct StageSource {
   Node root;
   std::vector<Node> stages;  ///< none: the scene has no [[stage]]
@@ -70,7 +70,7 @@ struct StageSource {
   std::vector<std::string> files{};  ///< read so far
 };
 
-/// One stage; the scene is empty where it has an error.
+/// Reads one stage; returns nothing where it has an error.
 std::optional<Scene> read_stage_of(StageSource& from, std::size_t stage, std::vector<Problem>& problems) {
   std::vector<Problem> own;
   StageDocument merged;
@@ -99,7 +99,7 @@ std::optional<Scene> read_stage_of(StageSource& from, std::size_t stage, std::ve
   return whole && reading.errors() == 0 ? std::optional(std::move(draft.scene)) : std::nullopt;
 }
 
-/// For whoever goes through the stages later.
+/// Function that reads any stage later.
 std::function<Scene(std::size_t)> reader_of(std::shared_ptr<StageSource> source) {
   return [source = std::move(source)](std::size_t stage) {
     std::vector<Problem> problems;
@@ -110,7 +110,7 @@ std::function<Scene(std::size_t)> reader_of(std::shared_ptr<StageSource> source)
   };
 }
 
-/// Of those that were read: shapes of the first stage are hashed with their parameters.
+/// Files read, without those of shapes of the first stage, which are hashed with their parameters.
 std::vector<std::string> files_beside_shapes(const Scene& scene, std::vector<std::string> files) {
   std::erase_if(files, [&](const std::string& file) {
     return std::ranges::any_of(scene.shapes, [&](const ShapeSpec& shape) {
