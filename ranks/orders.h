@@ -27,7 +27,7 @@ enum class Task : std::int32_t {
   end
 };
 
-/// As it is sent to all.
+/// An order as sent to all ranks.
 struct Order {
   Task task = Task::end;
   std::int32_t code = 0;  ///< to end with; totals: overlaps are asked for too

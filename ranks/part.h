@@ -36,7 +36,7 @@ class Part {
   void give(Simulation* whole);
   /// Gathers contacts of the last step and positions of bodies; other data of the whole are not up to date.
   void give_contacts(Simulation* whole, bool in_pieces);
-  /// Of all parts, at rank 0: as RemoteSteps has them.
+  /// Totals of all parts, at rank 0, as in RemoteSteps.
   RemoteTotals totals(bool overlaps);
   double stiffness(double dt);
   /// One step; report: sums over all parts. False if a body is outside the domain or not finite. run_on: as

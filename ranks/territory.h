@@ -55,9 +55,9 @@ class Territory {
 };
 
 std::vector<int> all_ranks();
-/// Of all bodies, which rank 0 has until they are shared out.
+/// Owners before the first distribution: rank 0 has all bodies.
 Owners owners_of_whole(const World& world);
-/// Of those that have come.
+/// Owners of the bodies that have arrived.
 Owners owners_of(const Arrival& arrival);
 /// Every body and contact goes to rank 0, from the owner, held ones from rank 0 itself; world.owner is filled.
 Routes routes_home(const World& world, const std::vector<std::uint32_t>& place);

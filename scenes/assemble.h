@@ -43,11 +43,11 @@ struct Assembly {
   };
   std::vector<Drive> drives;
 
-  /// Of Scene::bodies[k] where no stage has brought bodies: the world has them first.
+  /// Id of Scene::bodies[k] where no stage has added bodies: these come first in the world.
   static BodyId body_id(std::size_t k) { return static_cast<BodyId>(k); }
-  /// Of Scene::bodies[k].
+  /// Id of Scene::bodies[k].
   BodyId id_of(std::size_t k) const { return body_ids.empty() ? static_cast<BodyId>(k) : body_ids[k]; }
-  /// What had passed of something's own time when the present stage began [s].
+  /// Time since `since` at the begin of the present stage [s].
   double elapsed(const Since& since) const;
   BodyIds ids(const NamedBodies& named) const;
   /// A measure of the scene, made once more.

@@ -22,7 +22,7 @@ struct MemoryPlan {
 /// plan: whose columns, needs and loops are known.
 MemoryPlan plan_memory(const Scene& scene, const StepPlan& plan);
 
-/// Of all polyhedra of the scene [B]: vertices, faces and edges, and again four at a time.
+/// Memory of all polyhedra of the scene [B]: vertices, faces and edges, also in lanes of four.
 std::size_t polyhedra_bytes(const ShapeStore& shapes);
 
 }  // namespace epafi

@@ -21,10 +21,11 @@ void read_principal_axes(Assembly& assembly, ShapeBuilder& builder);
 /// Bodies of the fills of earlier stages; those that were not kept are computed again.
 KnownFills known_fills(const Scene& scene, const AssembleOptions& options);
 
-/// Of an earlier stage. A fill that is not known does not test for room: the positions of that time are lost.
+/// Adds the fills of an earlier stage. A fill that is not known does not test for overlap: the positions of that time
+/// are lost.
 void add_known_fills(Assembly& assembly, ShapeBuilder& builder, std::size_t stage, const KnownFills& known);
 
-/// Of the present stage. places_known: positions are those of now, so fills test for room.
+/// Adds the fills of the present stage. places_known: positions are those of now, so fills test for overlap.
 void add_fills(Assembly& assembly, ShapeBuilder& builder, const KnownFills& known, bool places_known);
 
 }  // namespace epafi

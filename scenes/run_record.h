@@ -45,7 +45,7 @@ struct StageRecord {
 };
 
 struct StageSpec;
-/// Of a stage that has ended at its longest time.
+/// Warning of a stage that ended at its longest time.
 std::string at_most_warning(const StageRecord& record, const StageSpec& stage);
 
 struct RunRecord {
@@ -57,7 +57,7 @@ struct RunRecord {
   std::optional<TimeStep> time_step{};
   KnownFills fills{};  ///< of stages after the first: placed among bodies that stand elsewhere since
 
-  /// Of the stages of this scene before the present one, at their ends [s].
+  /// Clocks of the stages of this scene before the present one, at their ends [s].
   std::vector<double> clocks() const;
   std::string to_text() const;
   /// Throws FileError where it is none.

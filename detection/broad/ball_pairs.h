@@ -10,7 +10,7 @@
 
 namespace epafi {
 
-/// Of all bodies that have the role, in the order of their places.
+/// Balls of all bodies with a role, in the order of their slots.
 std::vector<BodyBall> find_balls(const World& world, const ShapeStore& shapes, const SphereRoles& roles);
 
 class BallPairs {

@@ -18,7 +18,7 @@ class ListBroadPhase : public BroadPhase {
 
   void find_pairs(const World& world, PairList& pairs) final;
   bool keeps_pairs(const World& world) final;
-  /// Of a list that was not kept.
+  /// After keeps_pairs() returned false: true where slow bodies ended the list.
   bool used_up_by_slow() const { return used_up_by_slow_; }
   /// Adds the pairs of bodies that entered since, in slots after the others, to a list that is valid for the others, by
   /// tests against every body. Returns false, without changes, if a new list is needed.

@@ -14,7 +14,7 @@ bool is_free_wall(const ShapeStore& shapes, ShapeRef shape);
 /// True for convex shapes: the whole lies behind the plane through any of its points and normals.
 bool is_convex(const ShapeStore& shapes, ShapeRef shape);
 
-/// Of a solid of convex parts; 0 for other shapes.
+/// Number of convex parts of a solid; 0 for other shapes.
 std::size_t part_count(const ShapeStore& shapes, ShapeRef shape);
 
 /// A body, or one part of a solid.

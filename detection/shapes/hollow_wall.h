@@ -28,7 +28,8 @@ struct HollowWall {
 
   double most_radius() const { return std::max(start_radius, end_radius); }
   double bounding_radius() const { return std::sqrt(half_length * half_length + most_radius() * most_radius()); }
-  /// Of the two end circles: exact, as a circle of radius r normal to u reaches r sqrt(1 - u_i^2) along axis i.
+  /// Exact bounding box of the two end circles: a circle of radius r normal to u extends r sqrt(1 - u_i^2) along axis
+  /// i.
   Aabb bounding_box(const Pose& pose) const {
     const Mat3 turn = pose.orientation.toRotationMatrix();
     const Vec3 reach = turn.leftCols<2>().rowwise().norm(), axis = half_length * turn.col(2);

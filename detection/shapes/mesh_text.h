@@ -100,7 +100,7 @@ class MeshText {
     column_ = end;
     return line_.substr(begin, end - begin);
   }
-  /// Of fractions: 0.012345 has six digits, 1.2e-5 two.
+  /// Notes the number of decimals of a word: 0.012345 has six digits, 1.2e-5 two.
   void note_digits(std::string_view w) {
     const auto mantissa = w.substr(0, std::min(w.find_first_of("eE"), w.size()));
     const auto dot = mantissa.find('.');

@@ -10,7 +10,7 @@
 
 namespace epafi {
 
-/// Of a spring on a fixed or driven body, as processes send it to each other.
+/// Load of a spring on a fixed or driven body, as sent between processes.
 struct HeldPull {
   std::uint64_t order = 0;  ///< among all springs
   BodyId body{};
@@ -20,9 +20,9 @@ struct HeldPull {
 class SharedModel {
  public:
   virtual ~SharedModel() = default;
-  /// Of the contacts that it has found itself, in a periodic cell.
+  /// Adds the virial of the contacts that the model has found itself, in a periodic cell.
   virtual void add_virial(const World&, Virial&) const {}
-  /// What it has put on fixed and driven bodies beside contacts, in the order in which it does.
+  /// Appends its loads on fixed and driven bodies other than by contacts, in the order of application.
   virtual void append_held_pulls(const World&, std::vector<HeldPull>&) const {}
   /// Where the first half of the next step is done (ContactModel::is_ahead): the bodies in it, ghosts as their contacts
   /// of this process alone move them.

@@ -12,7 +12,7 @@ inline constexpr int spin_limit(bool more_threads_than_processors) {
   return more_threads_than_processors ? 100 : 10'000;
 }
 
-/// Of one condition. It outlives every wait.
+/// Lets threads wait for a condition. It must outlive every wait.
 class EventCount {
  public:
   /// Returns true once ready(), which reads what others have written by sequentially consistent atomics; false where

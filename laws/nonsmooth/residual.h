@@ -20,7 +20,7 @@ struct FreeMotion {
 };
 [[nodiscard]] FreeMotion measure_free_motion(const ContactProblem& problem);
 
-/// Of impulses r with the velocities u = W r + q that belong to them; rho > 0 [kg].
+/// Residual of impulses r with the velocities u = W r + q that result from them; rho > 0 [kg].
 [[nodiscard]] Residual measure_residual(const ContactProblem& problem, const Impulses& r, const std::vector<Vec3>& u,
                                         double rho, const FreeMotion& q);
 

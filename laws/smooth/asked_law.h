@@ -13,14 +13,14 @@ struct AskedLaw {
   NormalResponse respond(const ContactKinematics& at, double before, double& now) const {
     return evaluation.one(numbers.data(), at, &before, &now, nullptr);
   }
-  /// Of a new contact.
+  /// Response of a new contact.
   NormalResponse first(const ContactKinematics& at) const {
     double now = 0.0;
     return respond(at, 0.0, now);
   }
 };
 
-/// Of a pair of materials that occurs; normal: a name of all_normal_laws().
+/// Law of a pair of materials that occurs; normal: a name of all_normal_laws().
 AskedLaw asked_law(const std::string& normal, const MaterialPair& pair);
 
 }  // namespace epafi

@@ -74,7 +74,7 @@ template <class Law>
 inline constexpr bool fits_tiles = sizeof(typename Law::Parameters) <= sizeof(Lanes) && !Law::needs.area &&
                                    (!RemembersNormal<Law> || sizeof(NormalState<Law>) == sizeof(double));
 
-/// Of one contact.
+/// Response of one contact.
 template <class Law>
 NormalResponse respond_to(const double* numbers, const ContactKinematics& c, const double* before, double* now,
                           const double* dt_if_located) {

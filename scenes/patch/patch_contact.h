@@ -45,7 +45,7 @@ class PatchContactSolver {
   SlipBesidePlane slip_beside_plane(const ContactRegion& region, const NormalPatch& patch) const;
   double depth() const { return wheel_->depth; }      ///< that the load brings the wheel down by, estimated [m]
   double lowered() const { return wheel_->lowered; }  ///< that it is brought down by [m]
-  /// Of processor time: for the geometry, and since begin_pair() by solutions that were found before.
+  /// Processor time [s] of the geometry, and since begin_pair() that of reused solutions.
   double seconds() const { return seconds_ + remembered_seconds_; }
   void begin_pair() { remembered_seconds_ = 0.0; }
 

@@ -35,7 +35,7 @@ class SeatedWheel {
   double approach = 0.0;              ///< of the deepest region, estimated [m]
   double depth = 0.0;                 ///< that the load brings the wheel down by [m]
   double lowered = 0.0;               ///< that it is brought down by [m]
-  /// Of the last solutions, for the next round on the same load.
+  /// Strips of the last solutions, as start of the next iteration on the same load.
   std::vector<StripStart> strips = std::vector<StripStart>(1);
 
  private:

@@ -19,7 +19,7 @@ struct Built {
   std::string problem{};  ///< begins with the label
   std::string key{};      ///< whose place to report; empty: the table's
   Place place{};          ///< inside a file that was read; file empty: see key
-  /// That it may not be meant so, or not be good enough; each begins with the label.
+  /// Warnings of implausible or too coarse data; each begins with the label.
   std::vector<std::string> doubts{};
 };
 

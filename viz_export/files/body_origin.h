@@ -9,9 +9,10 @@
 
 namespace epafi {
 
-/// Of a shape that is no sphere.
+/// Description of a shape other than a sphere.
 struct ShapeOrigin {
-  /// Its name, or the table as written: "{ box = { size = [1, 1, 1] } }". Made when asked for: that of a stone is long.
+  /// Its name, or the table as written: "{ box = { size = [1, 1, 1] } }". Made on request, since it is long for a
+  /// stone.
   std::function<std::string()> shape;
   double size = 1.0;                  ///< factor of all lengths, > 0
   Quat to_author = Quat(1, 0, 0, 0);  ///< principal axes to the author's

@@ -47,11 +47,11 @@ class SurfaceCache {
 class BodyList {
  public:
   BodyList(const World& world, SurfaceCache& surfaces);
-  /// Of records that the caller keeps alive.
+  /// List of records, which the caller keeps alive.
   BodyList(const std::vector<BodyRecord>& records);
-  /// Those of this list at `places`, ascending.
+  /// The bodies of this list at `places`, ascending.
   BodyList only(UnwrittenColumn<Slot> places) const;
-  /// Those that are spheres; others: places of all that are not.
+  /// The spheres of this list; others: places of all other bodies.
   BodyList spheres(std::span<const Slot> others) const;
   std::size_t size() const { return size_; }
 

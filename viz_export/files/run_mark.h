@@ -23,7 +23,7 @@ struct RunState {
   std::vector<std::string> warnings{};  ///< that the mark holds
 };
 
-/// Of a folder with a run.
+/// State of the run in a folder.
 [[nodiscard]] RunState run_state(const std::filesystem::path& folder);
 
 /// Held by the writing program. A folder without write permission is not marked.

@@ -18,7 +18,7 @@ namespace epafi {
 /// Type of the elements of a dataset.
 enum class Hdf5Type { float32, float64, int8, int16, int32, int64, uint8, uint16, uint32, uint64 };
 
-/// Of the elements of a column of numbers.
+/// HDF5 type of a C++ number.
 template <class T>
 requires std::is_arithmetic_v<T>
 constexpr Hdf5Type hdf5_type() {

@@ -22,10 +22,10 @@ struct ViewField {
   bool whole = false;  ///< a count or a number of something
 };
 
-/// Those that the source can give, "speed" first.
+/// Fields that the source has, "speed" first.
 [[nodiscard]] std::vector<ViewField> view_fields(const ViewSource& source);
 
-/// Of all fields, whether a source has them or not.
+/// Names of all fields, whether or not a source has them.
 [[nodiscard]] std::vector<std::string> view_field_names();
 
 /// Sums over the contacts of a frame, per body.

@@ -10,7 +10,7 @@
 
 namespace epafi {
 
-/// As common_normal(), which calls it.
+/// Method of common_normal() for bodies with flat sides; same arguments and result.
 CommonNormal two_normals(const RoundRef& a, const RoundRef& b, const Mat3& rotation, const Vec3& offset, double limit);
 
 }  // namespace epafi

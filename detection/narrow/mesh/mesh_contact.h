@@ -30,7 +30,7 @@ constexpr Feature mesh_feature(std::uint32_t triangle, std::uint32_t local) {
 struct OverTriangle {
   double height;  ///< above the plane, towards the front [m]
   double beyond;  ///< the side that it lies farthest beyond; < 0: inside of all [m]
-  /// Of the distance [m^2], at least, but for rounding.
+  /// Lower bound of the squared distance [m^2], up to rounding.
   double least_square() const { return height * height + (beyond > 0.0 ? beyond * beyond : 0.0); }
 };
 inline OverTriangle over_triangle(const TriangleMesh& mesh, std::uint32_t t, const Vec3& x) {

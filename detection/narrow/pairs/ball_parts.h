@@ -7,7 +7,7 @@
 
 namespace epafi {
 
-/// As every ball of A with every ball of B by the closed form of two spheres.
+/// Contacts of every ball of A with every ball of B, by the closed form of two spheres.
 void collide_balls(const Clump& a, const Clump& b, const PairQuery& q, ContactSink& sink);
 
 }  // namespace epafi

@@ -48,8 +48,8 @@ class PartList {
     else
       return (whole_);
   }
-  /// Those whose bounding spheres come within `limit` [m] of the other body's centre. origin: A's centre; towards:
-  /// unit, to the other body.
+  /// Finds the parts whose bounding spheres come within `limit` [m] of the other body's centre. origin: A's centre;
+  /// towards: unit vector to the other body.
   void find_near(const Pose& pose, const Vec3& origin, const Vec3& towards, const Vec3& far, double limit,
                  std::vector<NearPart>& out) const {
     out.clear();
@@ -81,7 +81,7 @@ class PartList {
 
 }  // namespace part_pairs_detail
 
-/// Of a body without parts: its own type.
+/// Type of the parts of a shape; for a shape without parts, its own type.
 template <class W>
 using PartOf = typename part_pairs_detail::PartType<W>::type;
 

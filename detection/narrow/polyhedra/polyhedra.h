@@ -9,7 +9,7 @@
 
 namespace epafi {
 
-/// As GJK and EPA take it; the view must live as long.
+/// A polyhedron as argument of GJK and EPA; the view must outlive it.
 inline ConvexRef core_of(const PolyhedronView& view) {
   const auto support = [](const void* p, const Vec3& d) {
     const auto& v = *static_cast<const PolyhedronView*>(p);

@@ -30,7 +30,7 @@ class Newton final : public ConeSolver {
   std::span<const Mat3> derivative() const { return factored_ ? std::span<const Mat3>(d_) : std::span<const Mat3>(); }
   /// After a solve that took no iteration: D as it was before, of the same contacts, with the geometry of now.
   void hold() { factored_ = stale_ = !d_.empty() && d_.size() == problem_->size(); }
-  /// As if the last solve had been of this problem (rows, mass, friction) with that D: of a run that goes on.
+  /// Restores the state after a solve of this problem (rows, mass, friction) with that D, for a resumed run.
   void resume(const ConeProblem& problem, std::vector<Mat3> derivative);
 
   /// At most so many factorisations; ends after `patience` of them while the residual is above `behind`.

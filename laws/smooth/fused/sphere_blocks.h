@@ -240,7 +240,7 @@ class SphereBlocks {
   void fill_up(Block& block) const;
   void fill_pairs(Block& block) const;
   void list_sources();
-  /// Of a block or a const one: among its targets.
+  /// Iterator to target `to` among the targets of a block; end() where there is none.
   template <class B>
   static auto target_of(B& block, std::size_t to) {
     return std::ranges::find(block.targets, static_cast<Slot>(to), &Target::block);

@@ -30,7 +30,7 @@ struct SphereArrays {
   const Vec3* offsets = nullptr;  ///< by place of balls, from the centres of their bodies [m]; null: there are none
   std::size_t balls = 0;
 
-  /// As World::counts; with owner.
+  /// As World::counts; requires `owner`.
   bool counts(const SpherePlaces& pair) const {
     const std::uint8_t of_a = owner[pair.a.slot()];
     return (of_a == World::everywhere ? owner[pair.b.slot()] : of_a) == World::here;
@@ -151,7 +151,7 @@ struct SphereTile {
       spring[begin] = (before & bit) != 0 ? read + bit_places.count[before & (bit - 1u)] : SphereSprings::unloaded;
     }
   }
-  /// Those of the first contacts are in a row that ends before place `end`.
+  /// Sets the springs of the first contacts to a contiguous row that ends before place `end`.
   EPAFI_LANES void name_row(std::size_t size, std::uint32_t end) {
     for (std::size_t k = 0; k < size; ++k) spring[k] = end - static_cast<std::uint32_t>(size - k);
     in_row = false;

@@ -5,7 +5,7 @@
 
 namespace epafi {
 
-/// Of the strip from the line through its middle to the line at t half-lengths beside it; odd in t, error below 1e-6.
+/// Influence of the strip from its centre line to a line at t half-lengths beside it; odd in t, error below 1e-6.
 struct StripInfluence {
   /// G(t) = int_0^t F, F(t) = int_-1^1 sqrt(1 - s^2) / sqrt(s^2 + t^2) ds = 2 D(k') / sqrt(1 + t^2), k' = t / sqrt(1 +
   /// t^2). Displacement at (0, d) from the strip's middle: (p a / (pi E*)) (G((d + w/2)/a) - G((d - w/2)/a)).
