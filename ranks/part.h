@@ -111,7 +111,7 @@ class Part {
   bool prepared_ = false;  ///< events have seen this state where it was whole
   bool asked_ = false;     ///< some common event has something to do before the next step
   bool settled_ = false;   ///< bodies have come since the last step
-  /// Where the next step has begun: all bodies are numbers in it, and inside the domain if the last one had that.
+  /// Once the next step has begun: all bodies are finite, and inside the domain if the last step had one.
   bool inside_ = false, had_domain_ = false;
   Motion motion_;
   double dt_ = 0.0;                        ///< of the last step [s]; 0: there was none

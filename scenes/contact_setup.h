@@ -11,7 +11,7 @@ namespace epafi {
 /// The smooth law of the scene with its materials.
 SmoothSetup smooth_setup(const Scene& scene);
 
-/// What the chosen law or solver needs of the engine.
+/// Needs of the chosen law or solver.
 Needs contact_needs(const Scene& scene);
 
 /// The chosen law or solver; throws SceneError where parts do not fit together.

@@ -75,7 +75,7 @@ inline double packed_step(const RunCounts& run) {
          run.polyhedra * (nonsmooth_polyhedron + run.sweeps * sweep_polyhedron);
 }
 
-/// What a step does besides: multiply, add, root, in a chain.
+/// Time of a chain of arithmetic (multiply, add, root), for the other work of a step [s].
 inline double loop_seconds() {
   const double start = process_seconds();
   double x = 1.0;

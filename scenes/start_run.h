@@ -24,7 +24,7 @@ std::shared_ptr<MadeRun> open_made_run(const std::filesystem::path& run);
 /// The scene of a checkpoint at its present stage, as when it was written; a SceneError where it has changed.
 Scene scene_of(const CheckpointHeader& header, const RunRecord& record);
 
-/// How that scene is assembled so that the state of the checkpoint fits it.
+/// Options of assembly for which the state of the checkpoint fits.
 AssembleOptions options_of(const RunRecord& record);
 
 /// Description of a run for another process of the program, and its assembly there without bodies.

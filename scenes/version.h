@@ -6,7 +6,7 @@ namespace epafi {
 
 /// Version as written to files: "1.0.0".
 [[nodiscard]] const char* version();
-/// What `epafi --version` prints: version, licence, and the parts under another one.
+/// Text of `epafi --version`: version, licence, and parts under other licences.
 [[nodiscard]] std::string version_text();
 
 }  // namespace epafi

@@ -32,7 +32,7 @@ class BallPairs {
     Slot place;
     std::uint32_t image;
   };
-  /// What all of these read.
+  /// Input of all these calls.
   struct Call {
     const World& world;
     const BroadSetup& setup;

@@ -59,7 +59,7 @@ struct ApartPlane {
   bool is_plane() const { return normal.squaredNorm() > 0.0; }
 };
 
-/// Whether a list is outdated.
+/// State of a list: whether it is outdated.
 struct ListState {
   bool out = false, by_slow = false;  ///< by_slow: a slow body (with the least margin) has used up its margin
   void see(bool beyond, bool slow) {
@@ -152,7 +152,7 @@ struct FatBodies {
   bool take_in(const World& world, const BroadSetup& setup, double step_time);
   /// Adapts the margins of slow bodies to the lifetime of a list that is used up. Call it before update.
   void learn(const World& world, double step_time, bool used_up_by_slow);
-  /// Whether some body has moved by more than half its margin, and whether a slow one has.
+  /// Tests whether some body, or some slow one, has moved by more than half its margin.
   ListState used_up(const World& world) const;
   /// Use of margins by slots [begin, end), for spheres or resting bodies; at(s): position of slot s now. Excludes
   /// half-spaces that may move.

@@ -33,8 +33,8 @@ inline bool is_on(const ShapeStore& shapes, const WallPiece& piece, const Vec3& 
   return distance_to(shapes, piece, point, near) <= near;
 }
 
-/// Whether the body extends beyond `point` along `normal` (unit) by more than `near` [m]: a convex body as a whole, of
-/// solids the parts, of meshes the triangles that contain the point.
+/// True where the body extends beyond `point` along `normal` (unit) by more than `near` [m]: a convex body as a whole,
+/// of solids the parts, of meshes the triangles that contain the point.
 bool goes_beyond(const ShapeStore& shapes, const WallPiece& piece, const Vec3& point, const Vec3& normal, double near);
 
 /// The normal (unit, world axes) of the flat or straight side that contains `point`, more than `near` [m] from its

@@ -132,7 +132,7 @@ class Seams {
   Candidate candidate(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b) const;
   WallPiece piece_at(const Candidate& c, const Vec3& point) const;
   bool is_hidden(const World& world, ContactSet& contacts, const Candidate& c);
-  /// Whether two walls move as one.
+  /// True where two walls move as one body.
   static bool move_as_one(const World& world, Slot p, Slot q);
   /// Joins the walls of two groups to one surface.
   void join(const Group& first, const Group& second);

@@ -32,7 +32,7 @@ struct MeshFile {
   MeshReport report;
 };
 
-/// Whether a file must have faces: a surface must, the convex hull of its corners needs none.
+/// Whether a file must have faces: needed for a surface, optional for the convex hull of its corners.
 enum class MeshFaces { needed, optional };
 
 /// Reads by the file's ending (.obj, .stl or .ply, any case). Throws FileError where the file cannot be read,

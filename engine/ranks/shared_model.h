@@ -24,10 +24,10 @@ class SharedModel {
   virtual void add_virial(const World&, Virial&) const {}
   /// Appends its loads on fixed and driven bodies other than by contacts, in the order of application.
   virtual void append_held_pulls(const World&, std::vector<HeldPull>&) const {}
-  /// Where the first half of the next step is done (ContactModel::is_ahead): the bodies in it, ghosts as their contacts
-  /// of this process alone move them.
+  /// Where the first half of the next step is done (ContactModel::is_ahead): extent of the bodies in it, with ghosts
+  /// moved by the contacts of this process only.
   virtual Extent begun() const { return {}; }
-  /// Ghosts are where their owners have them in that step.
+  /// Call once ghosts have the positions of their owners in that step.
   virtual void take_ghosts(World&, std::span<const Slot>) {}
 };
 

@@ -22,7 +22,7 @@ inline constexpr bool is_plain<Eigen::Matrix<S, R, C, O, MR, MC>> = R > 0 && C >
 template <class S, int O>
 inline constexpr bool is_plain<Eigen::Quaternion<S, O>> = std::is_arithmetic_v<S>;
 
-/// What the rows of a column belong to. Code that moves bodies to other processes moves these rows with them.
+/// Owner of the rows of a column. Code that moves bodies to other processes moves these rows with them.
 enum class RowsOf : std::uint8_t {
   nobody,        ///< the state as a whole
   bodies,        ///< row k: the body of slot k

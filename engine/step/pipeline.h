@@ -11,7 +11,7 @@
 
 namespace epafi {
 
-/// What all stages share.
+/// Base of all stages of a step.
 class StepStage {
  public:
   virtual ~StepStage() = default;
@@ -52,7 +52,7 @@ struct Pushes {
   std::vector<Vec3> angular;  ///< world axes [N m s]; empty in worlds without rotation
 };
 
-/// What a stage that acts needs to know about the step.
+/// Times of the step, for stages that compute forces or motion.
 struct StepClock {
   double dt = 0.0;  ///< [s]
   double velocity_lag =
@@ -69,7 +69,7 @@ struct StepClock {
 class BroadPhase : public StepStage {
  public:
   virtual void find_pairs(const World& world, PairList& pairs) = 0;
-  /// Whether the list of the last call is still valid, judged from positions alone.
+  /// True where the list of the last call is still valid by the positions alone.
   virtual bool keeps_pairs(const World&) { return false; }
 };
 

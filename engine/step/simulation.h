@@ -117,7 +117,7 @@ class Simulation {
   BodyTotals totals_;                      ///< as last measured, for observers
   std::optional<OverlapTotals> overlaps_;  ///< of overlaps of contacts in other processes
   std::vector<BodyId> leaving_;            ///< to remove before the next step; observers see them until then
-  /// Where the state is, in runs of several processes.
+  /// Location of the state in runs of several processes.
   struct Away {
     bool home = true;      ///< the present state is here
     bool sent = false;     ///< it is in the other processes too, or only there

@@ -28,7 +28,7 @@ inline constexpr Range positive{0, infinity, true, false};
 inline constexpr Range not_negative{0, infinity, false, false};
 inline constexpr Range unit_interval{0, 1, false, false};
 
-/// What a field holds.
+/// Type of the value of a field.
 enum class Kind {
   number,  ///< with `choices`: or one of these words ("auto")
   integer,
@@ -95,7 +95,8 @@ class Parameters {
   std::map<std::string, Value> values_;
 };
 
-/// What a part needs from the engine; the union over a scene is its StepPlan, everything else is absent.
+/// Columns and features that a part needs from the engine; a scene's StepPlan is the union over its parts, all else is
+/// absent.
 struct Needs {
   bool rotation = false;        ///< orientation, angular velocity, torque of free bodies
   bool slip_velocity = false;   ///< tangential velocity at the contact

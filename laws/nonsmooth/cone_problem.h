@@ -56,7 +56,7 @@ struct ConeProblem {
       if (row.body[s] != no_body) u.noalias() += row.jacobian[s].transpose() * v[row.body[s]];
     return u;
   }
-  /// What the residual is relative to: `reference`, or the Euclidean norm of q, or 1 if that is 0.
+  /// Reference of the residual: `reference`, or the Euclidean norm of q, or 1 if that is 0.
   double q_norm() const;
   /// Residual of impulses r with their velocities u (laws/nonsmooth/residual.h) for rho = scale, over contacts with
   /// W_ii > 0.

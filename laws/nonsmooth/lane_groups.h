@@ -38,7 +38,7 @@ class LaneGroups {
   std::size_t size(std::size_t stage) const { return begin_[stage + 1] - begin_[stage]; }
   /// Groups of colour c are data()[color_begin(c)] .. data()[color_begin(c + 1) - 1].
   std::size_t color_begin(std::size_t color) const { return color_begin_[color]; }
-  /// How many groups of a stage a thread takes at once.
+  /// Number of groups of a stage that a thread takes at once.
   std::size_t piece(std::size_t stage) const { return is_shared_[stage] ? grain : size(stage); }
   /// Groups in stages that threads share.
   std::size_t shared() const { return shared_; }

@@ -52,7 +52,7 @@ struct NonsmoothSetup {
   MaterialTable materials;
 };
 
-/// What the engine must provide: memory for warm starts; slip velocity and rotation if some pair has friction. The plan
+/// Needs of non-smooth contact: memory for warm starts; slip velocity and rotation if some pair has friction. The plan
 /// adds rotation for bodies other than spheres.
 Needs nonsmooth_needs(const NonsmoothSetup& setup);
 

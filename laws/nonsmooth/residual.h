@@ -13,7 +13,7 @@ struct Residual {
   double penetration_rate = 0.0;  ///< max(-u_N) / max|q| [-]: 0.01 on a stack sinks with 1 % of g
 };
 
-/// What both are relative to.
+/// Reference velocities of the residual.
 struct FreeMotion {
   double norm = 1.0;     ///< ||q|| [m/s], 1 where q = 0; of contacts that impulses move, as the next one
   double largest = 1.0;  ///< max|q| [m/s], 1 where q = 0

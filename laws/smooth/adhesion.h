@@ -88,7 +88,7 @@ struct Jkr {
   }
   static bool is_damped(const Parameters& p) { return p.damping > 0.0; }
   static bool holds(const State& s) { return s.root > 0.0; }
-  /// How far beyond touch a contact holds [m].
+  /// Gap up to which a contact holds [m].
   static double reach(const Parameters& p, double radius) {
     const double third = std::cbrt(9.869604401089358 * p.work * p.work * radius / (p.modulus * p.modulus));
     return 0.75 * third;

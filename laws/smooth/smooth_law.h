@@ -23,7 +23,7 @@ struct alignas(32) PairRow {  // an aligned load of a part; GCC takes 16 for a v
   Lanes normal{}, tangential{}, rolling{};
 };
 
-/// How a normal law is evaluated: contacts of a tile, and one of them.
+/// Functions of a normal law: for the contacts of a tile, and for one contact.
 struct NormalEvaluation {
   void (*tile)(const NormalCall&) = nullptr;  ///< null: there are no tiles of this law
   /// numbers: of the pair; before, now: what the law remembers; dt: where start and end of contacts are located.
@@ -34,7 +34,7 @@ struct NormalEvaluation {
 template <class Law>
 NormalEvaluation normal_evaluation();
 
-/// How friction is evaluated, one contact at a time; numbers: PairRow::tangential.
+/// Functions of a friction law for one contact; numbers: PairRow::tangential.
 struct FrictionEvaluation {
   FrictionResponse (*pull)(const Lanes& numbers, const SlipStep&, const double* before, double* now) = nullptr;
   void (*exchange)(double* memory) = nullptr;  ///< bodies A and B

@@ -29,7 +29,7 @@ class PatchContactSolver {
   void seat(double down) { wheel_->seat(down); }
   /// Seats the wheel anew at this approach of the deepest region.
   void follow(double expected);
-  /// Whether the wheel's position agrees with a model's approach; only models of the whole gap give it.
+  /// True where the wheel's position agrees with a model's approach; only models of the whole gap give one.
   bool stands(const std::string& model, double found) const;
   bool has_wheel() const { return wheel_ && !wheel_->rigid.empty() && !too_shallow(); }
   /// Several regions far from each other overlap under the load, and the model solves each.

@@ -93,7 +93,7 @@ std::optional<std::size_t> find_shape(Draft& draft, const std::string& name, con
 /// Notes that free bodies have the shape: a mesh becomes a solid.
 void let_move(Draft& draft, std::size_t shape);
 
-/// Whether a shape by that name is a wall only: it has no volume, so that it cannot move freely.
+/// True where shapes of this form are walls only: without a volume they cannot move freely.
 bool is_only_wall(const std::string& form);
 /// A shape by name or written in place.
 std::optional<std::size_t> read_shape_value(Draft& draft, const Node& node, const std::string& label);

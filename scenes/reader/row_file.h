@@ -36,7 +36,7 @@ class RowFile {
   bool has_column(const std::string& name) const;
   /// Reads the cells of the next row. False at the end, or after an error, which is reported.
   bool next(std::vector<Cell>& cells);
-  /// How many rows there may be from here on.
+  /// Upper bound of the number of remaining rows.
   std::size_t rows_ahead();
 
  private:

@@ -36,7 +36,7 @@ class RunMark {
 
   /// Call it often: once a second it updates the time of change and returns true.
   bool beat();
-  /// What a report of the run has to say if it is cut.
+  /// Stores warnings for a report of the run if it is killed.
   void tell(std::vector<std::string> warnings);
 
  private:

@@ -16,7 +16,7 @@ struct StudyMark {
 
 /// Throws FileError where it cannot be written.
 void write_study_mark(const std::filesystem::path& folder, const StudyMark& mark);
-/// None where there is no such file, or none that can be read.
+/// Reads the mark of a study; none where the file is missing or unreadable.
 [[nodiscard]] std::optional<StudyMark> read_study_mark(const std::filesystem::path& folder);
 
 /// Text on missing cases; empty if none is missing.

@@ -8,7 +8,7 @@
 namespace epafi {
 
 /// summary.json where it is there; else status "running" or "cut", time, bodies, last energies, measures, warnings.
-/// What only the end of a run tells (steps, overlap, residual over all steps, time by stage) is absent then.
+/// Facts known only at the end of a run (steps, overlap, residual over all steps, time by stage) are absent then.
 [[nodiscard]] FlatJson run_facts(const std::filesystem::path& folder);
 [[nodiscard]] FlatJson run_facts(const std::filesystem::path& folder, const ViewSource& source);
 

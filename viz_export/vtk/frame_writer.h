@@ -38,7 +38,7 @@ class FrameWriter {
   /// The next frames are listed under this name; empty: none.
   void name_stage(const std::string& name) { list_.group(name); }
   std::size_t frames() const { return next_; }
-  /// Where the walls were last written: without it a run that goes on writes them once more.
+  /// Frame in which the walls were last written: without it a resumed run writes them once more.
   void visit(StateVisitor& visitor);
 
  private:

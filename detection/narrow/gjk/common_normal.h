@@ -71,7 +71,7 @@ struct Tangents {
   }
 };
 
-/// Where two cores are nearest or deepest, in A's axes, relative to A's centre.
+/// Nearest or deepest points of two cores, in A's axes, relative to A's centre.
 struct CommonNormal {
   enum class Status {
     found,     ///< gap, normal and points are those of the signed distance

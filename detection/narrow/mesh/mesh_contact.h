@@ -59,7 +59,7 @@ inline Vec3 normal_towards(const TriangleMesh& mesh, std::uint32_t t, const Vec3
 void drop_far(const TriangleMesh& mesh, const Vec3& x, double distance, std::size_t first,
               std::vector<std::uint32_t>& triangles);
 
-/// How a point is named: kind (2 bits), what it is on the body (18 bits), side of the triangle (2 bits).
+/// Key of a point: kind (2 bits), feature on the body (18 bits), side of the triangle (2 bits).
 constexpr std::uint32_t local_name(FeatureKind kind, std::uint32_t on_body, std::uint32_t side) {
   return static_cast<std::uint32_t>(kind) << 20 | (on_body & 0x3ffffu) << 2 | (side & 3u);
 }

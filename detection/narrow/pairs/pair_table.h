@@ -55,7 +55,7 @@ struct PairCell {
   void (*batch)(const BatchInput&, std::span<const Pair>, ContactSink&) = nullptr;
   /// Appends the candidate triangles of a pair for a body that may move by `margin` [m]; null where there are none.
   void (*candidates)(const BatchInput&, const Pair&, double margin, std::vector<std::uint32_t>&) = nullptr;
-  /// Whether the bodies may touch after an approach of at most `margin` [m]; null: always assumed.
+  /// True where the bodies may touch after an approach of at most `margin` [m]; null: always assumed.
   bool (*near)(const BatchInput&, const Pair&, double margin) = nullptr;
   const char* method = "none";
   bool remembers = false;  ///< keeps a PairCache per pair

@@ -22,7 +22,7 @@ struct FaceArrays {
   operator FaceHeights() const { return {point.data(), centre.data(), deepest.data()}; }
 };
 
-/// What is known of one polyhedron's features against the other, in its own axes.
+/// Distances of one polyhedron's features to the other, as far as computed, in its own axes.
 struct AxisSide {
   static constexpr std::uint32_t unknown = FaceHeights::unknown;
   const PolyhedronView& own;

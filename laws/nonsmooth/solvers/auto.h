@@ -57,7 +57,7 @@ class Auto final : public ConeSolver {
     bool paused = false;      ///< sweeps only, since stages 2 and 3 have failed lately
     bool helped = true;       ///< by stages 2 and 3
   };
-  /// What the next step takes from newton, if it solved the island: that it comes first, or also its factor (calm).
+  /// Kept from newton for the next step, if it solved the island: that it comes first, or also its factor (calm).
   enum class Kept : std::uint8_t { nothing, method, factor };
 
   void make_parts(std::size_t count);

@@ -83,8 +83,8 @@ class Newton final : public ConeSolver {
   Impulses best_;
 };
 
-/// What a factor is made of again: rows and masses of `blocks`, friction, and D by contact; all of them are empty where
-/// D is.
+/// Data from which a factor is recomputed: rows and masses of `blocks`, friction, and D by contact; all empty where D
+/// is.
 void visit_factor(StateVisitor& visitor, ConeProblem& blocks, std::vector<Mat3>& derivative);
 
 /// 3 / trace W_ii [kg]: the impulse that a velocity is worth at a contact; 0 where nothing moves.

@@ -100,7 +100,7 @@ inline std::vector<Field> solver_fields(std::vector<Field> own = {}, double iter
   return all;
 }
 
-/// What the engine must provide for a solver.
+/// Needs of a solver.
 inline constexpr Needs solver_needs{.slip_velocity = true, .memory = true};
 
 /// Entry of a Solver(iterations, tolerance, numbers of its own fields in their order). iterations: default.

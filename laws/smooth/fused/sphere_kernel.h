@@ -365,8 +365,7 @@ struct SphereSweep {
       for (std::size_t k = 0; k < t.count; ++k) total.touching -= before[k] == 0.0 && now[k] == 0.0;
   }
 
-  /// What contacts among the eight from `first` on that have opened leave behind; read: place of the first one's
-  /// spring.
+  /// Releases the springs of opened contacts among the eight from `first` on; read: place of the first one's spring.
   EPAFI_LANES void release(std::size_t first, unsigned before, unsigned opened, std::uint32_t read) const {
     const auto stored = [](const Lanes& load) {
       return 0.5 * (load[0] * load[0] + load[1] * load[1] + load[2] * load[2]) * load[3];

@@ -106,7 +106,7 @@ struct SphereLook {
   }
 };
 
-/// Where no time passes: contacts that begin get springs that are not loaded. from: see SphereSprings::choose.
+/// For dt = 0: gives new contacts unloaded springs. from: see SphereSprings::choose.
 void begin_contacts(SphereBlocks::Block& block, const SphereArrays& with, std::vector<std::uint32_t>& from);
 
 }  // namespace epafi

@@ -20,8 +20,8 @@ StripInfluence strip_influence(double t);
 struct PressedStrip {
   double y, gap, p, a, width;
 };
-/// How far the surfaces are from touching under these pressures: root mean square of displacement + gap - approach over
-/// the strips, weighted by pressure, over the approach. 0 for Hertz; what a law of virtual penetration gets wrong.
+/// Residual gap under these pressures: root mean square of displacement + gap - approach over the strips, weighted by
+/// pressure, relative to the approach. 0 for Hertz; an error measure for virtual penetration.
 double misfit_of(std::span<const PressedStrip> strips, double approach, double modulus);
 /// Error of the peak pressure, relative, where a law of virtual penetration leaves so much of the gap: 430 random pairs
 /// of profiles against boundary elements, three laws.
