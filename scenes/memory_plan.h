@@ -11,7 +11,7 @@ struct StepPlan;
 
 struct MemoryPlan {
   std::size_t body = 0;  ///< columns of the world [B per body]
-  std::size_t list = 0;  ///< what its neighbour list asks for [B per body]
+  std::size_t list = 0;  ///< memory of its neighbour list [B per body]
   std::size_t pair = 0;  ///< listed, with what it remembers [B per pair]
   /// Wherever it lies: in set, law and solver, or in the loop over spheres where the scene has one [B per contact];
   /// what others have there (spheres with a mesh, a box) is not counted: they are few.

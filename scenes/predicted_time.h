@@ -54,7 +54,7 @@ struct RunCounts {
 struct FirstSteps {
   double start = 0.0;    ///< until the first step: reading, shapes, memory [s]
   double seconds = 0.0;  ///< of all that were made
-  double made = 0.0;     ///< how many
+  double made = 0.0;     ///< number of steps
   double present = 0.0;  ///< share of the free bodies that were there, in (0, 1]
   double later = 0.0;    ///< seconds of one of the last of them
 };

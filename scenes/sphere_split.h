@@ -50,7 +50,7 @@ class BlockBoundPairs final : public BroadPhase, public SharedList {
       used_margin_;  ///< by block of the model: at least the largest used_margin of its bodies; empty: not known
   bool displacements_known_ = false;   ///< in this step
   End predicted_, theirs_;             ///< as SharedList has them: of this process, of all in this step
-  Vec3 cell_size_ = Vec3::Zero();      ///< as used_margin_ knows it, in a periodic cell [m]
+  Vec3 cell_size_ = Vec3::Zero();      ///< for which used_margin_ is valid, in a periodic cell [m]
   std::vector<Wraps> wraps_;           ///< the same: bodies put back into the cell have moved by an edge of it
   ListState used_up_;                  ///< state of the list when it ended
   std::vector<std::size_t> doubtful_;  ///< blocks whose bound has reached the margin
@@ -82,7 +82,7 @@ class SphereSplit final : public NarrowPhase {
   FusedSpheres& model_;
   SphereRoles roles_;
   bool known_ = false;      ///< the bodies are in the slots in which the model has seen them
-  bool alone_ = false;      ///< nothing moves but free spheres and half-spaces
+  bool alone_ = false;      ///< only free spheres and half-spaces move
   std::size_t bodies_ = 0;  ///< as many as there were then
   std::vector<BodyBall> balls_;
   std::uint64_t generation_ = 0;

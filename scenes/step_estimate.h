@@ -25,7 +25,7 @@ struct FlatBody {
   Vec3 inertia = Vec3::Zero();  ///< principal [kg m^2]
   Vec3 half = Vec3::Zero();     ///< half the sides of its box [m]
   double radius = 0.0;          ///< of the sphere of its volume [m]
-  int corners = 4;              ///< that carry it on its largest face, 4 at least
+  int corners = 4;              ///< contact points on its largest face, at least 4
 };
 
 /// A pair of kinds of bodies.
@@ -56,7 +56,7 @@ struct Column {
   double mass = 0.0, radius = 0.0;  ///< of a ball [kg], [m]
   double weight = 0.0;              ///< of a ball [N]
   double press = 0.0;               ///< of a plate on the uppermost [N]; 0: there is none
-  std::optional<Servo> plate{};     ///< that presses, where it gives way
+  std::optional<Servo> plate{};     ///< servo of the plate, if it is force-controlled
   std::uint16_t ball_material = 0, floor_material = 0;
 };
 

@@ -60,7 +60,7 @@ class WatchedBalance {
     Swings unexplained, put_in;
     double started = 0, since_warns = 0, since_wide = 0;  ///< step at which a threshold was exceeded; 0: it is not
     double noisy_steps = 0;  ///< steps since the last look, weighted by residual: 1 from a residual of 1e-3 on
-    double noise = 0;        ///< so far [J]
+    double noise = 0;        ///< expected energy errors of servos and residuals [J]
     double inner = 0;        ///< largest kinetic and elastic energy together [J]
     double lowest = 0, highest = 0, potential = 0;  ///< potential energy, and that of the last look [J]
     double bodies = 0;                              ///< at the last look

@@ -47,7 +47,7 @@ class ListBroadPhase : public BroadPhase {
   BallPairs balls_;
   PairColumn found_;  ///< with images, in a periodic cell
   bool valid_ = false;
-  bool used_up_by_slow_ = false;  ///< as the last look at all bodies says
+  bool used_up_by_slow_ = false;  ///< by the last test of all bodies
   bool known_ = false;            ///< the bodies are in the slots in which bodies_ has seen them
   double last_time_ = infinity;   ///< of the last call [s]
   double step_time_ = 0.0;        ///< dt as seen between two calls [s]; 0: not known yet

@@ -12,7 +12,7 @@ namespace epafi {
 /// lower by R (1 - cos(half the flat's angle - angle of its middle from the rail)).
 struct WheelDefect {
   double flat_length = 0.0;        ///< l [m], >= 0
-  double flat_angle = 0.0;         ///< by which the wheel must roll until the flat's middle is down [rad]
+  double flat_angle = 0.0;         ///< rolling angle at which the middle of the flat is at the bottom [rad]
   double amplitude = 0.0;          ///< of out-of-round a sin(n theta) [m]
   int order = 1;                   ///< n, >= 1
   bool left = true, right = true;  ///< which wheels have it

@@ -15,7 +15,7 @@ namespace epafi {
 struct PlaceOnTrack {
   double distance = 0.0;      ///< along the line [m]
   WheelsetPosition position;  ///< lateral shift, height, yaw, roll
-  double angle = 0.0;         ///< by which it has rolled from the marked place, in (-pi, pi] [rad]
+  double angle = 0.0;         ///< rolling angle from the marked position, in (-pi, pi] [rad]
   Pose frame;                 ///< of the track there, world axes
 };
 PlaceOnTrack place_on_track(const Wheelset& wheelset, const Track& track, const Pose& body, const Pose& track_body);

@@ -19,7 +19,7 @@ struct MeshReport {
   std::array<Vec3, 2> first_clash{};             ///< ends of the first clashing edge [m]
   std::size_t dropped = 0;                       ///< triangles without area, left out when reading
   double volume = 0.0;                           ///< signed [m^3]; meaningful where watertight
-  double precision = 0.0;  ///< how far its rounding may have put a coordinate; 0 where nothing tells [m]
+  double precision = 0.0;                        ///< largest rounding error of coordinates; 0: unknown [m]
 
   bool is_watertight() const { return open_edges == 0 && clashing_edges == 0; }
   bool is_inverted() const { return is_watertight() && volume < 0.0; }

@@ -15,7 +15,7 @@ namespace epafi {
 /// One part as the narrow phase sees it: a polyhedron about its own centre.
 struct SolidPart {
   const ConvexHull* hull;
-  double radius;  ///< that stands for the curvature of the whole body [m]
+  double radius;  ///< effective radius of the whole body [m]
 
   operator const ConvexHull&() const { return *hull; }
   Vec3 support(const Vec3& d) const { return hull->support(d); }

@@ -14,7 +14,7 @@ using VirialSums = std::array<OrderFreeSum, 3>;
 /// Parts of the virial, each summed and rounded separately.
 struct Virial {
   VirialSums contacts;        ///< in the set
-  VirialSums spheres, balls;  ///< that a contact model finds itself: by places, and what balls add to their bodies
+  VirialSums spheres, balls;  ///< of contacts that the contact model finds itself: by places, and by balls of bodies
 
   Virial& operator+=(const Virial& other);
   Vec3 value() const;

@@ -13,7 +13,7 @@ struct Border {
 
 /// Part of the problem swept by one process, with its own numbers of bodies and contacts.
 struct SweepSlice {
-  ContactProblem problem;  ///< what sweeps read of it
+  ContactProblem problem;  ///< data read by sweeps
   Impulses r;
   BodyVelocities v;
   std::vector<ContactGroup> groups;          ///< colour by colour

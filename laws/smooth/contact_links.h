@@ -16,7 +16,7 @@ namespace epafi {
 struct NormalSlopes {
   double stiffness = 0.0;  ///< dN/d(delta) [N/m], >= 0
   double dashpot = 0.0;    ///< dN/d(delta_dot) [N s/m], >= 0
-  double of_law = 0.0;     ///< what friction and rolling take for k_n [N/m]
+  double of_law = 0.0;     ///< k_n for friction and rolling [N/m]
   double force = 0.0;      ///< N at rest [N]
 };
 

@@ -71,7 +71,7 @@ class SmoothContact final : public ContactModel {
     Vec3 branch;           ///< from the centre of A to that of B [m]
     Vec3 arm_b;            ///< where the world rotates [m]
     Vec3 slip_velocity;    ///< of B against A at the contact, middle of the step, normal part taken out [m/s]
-    const double* before;  ///< what is remembered of it
+    const double* before;  ///< its history
     double* now;
     double radius;     ///< R* [m]
     double stiffness;  ///< k_n [N/m]

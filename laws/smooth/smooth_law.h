@@ -56,7 +56,7 @@ struct SmoothLaw {
   std::uint32_t materials = 1;
   bool damped = false;  ///< velocities at the time of the detection are wanted
   SphereNeeds needs;
-  Needs contact;  ///< what the parts need to know of a contact
+  Needs contact;  ///< data of a contact that the parts need
   bool rolls = false;
   AnyRolling::Type rolling = AnyRolling::Type::spring;
   bool locates = false;

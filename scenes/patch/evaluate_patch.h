@@ -35,7 +35,7 @@ struct PatchResult {
   double error_estimate = 0.0;                ///< larger of: peak pressure, relative; force over mu N
   bool friction = false;                      ///< a tangential model was asked for
   std::vector<std::string> reasons;           ///< empty: valid
-  std::vector<std::string> notes;             ///< what a model did otherwise than written
+  std::vector<std::string> notes;             ///< deviations of a model from the case
   /// A contact was found; else `reasons` say why there is none.
   bool solved() const { return normal_force > 0.0; }
 };

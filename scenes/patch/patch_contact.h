@@ -43,8 +43,8 @@ class PatchContactSolver {
   /// leaves the plane between two hills of pressure by tenths of a millimetre, and the wheel's radius with it. Empty
   /// where the creepage is given.
   SlipBesidePlane slip_beside_plane(const ContactRegion& region, const NormalPatch& patch) const;
-  double depth() const { return wheel_->depth; }      ///< that the load brings the wheel down by, estimated [m]
-  double lowered() const { return wheel_->lowered; }  ///< that it is brought down by [m]
+  double depth() const { return wheel_->depth; }      ///< estimated displacement of the wheel by the load [m]
+  double lowered() const { return wheel_->lowered; }  ///< present displacement of the wheel [m]
   /// Processor time [s] of the geometry, and since begin_pair() that of reused solutions.
   double seconds() const { return seconds_ + remembered_seconds_; }
   void begin_pair() { remembered_seconds_ = 0.0; }

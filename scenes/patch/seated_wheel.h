@@ -33,8 +33,8 @@ class SeatedWheel {
   std::vector<ContactRegion> rigid;   ///< at the rigid contact points, the deepest first
   std::vector<ContactRegion> seated;  ///< of regions that are solved apart, each from the middle of its patch
   double approach = 0.0;              ///< of the deepest region, estimated [m]
-  double depth = 0.0;                 ///< that the load brings the wheel down by [m]
-  double lowered = 0.0;               ///< that it is brought down by [m]
+  double depth = 0.0;                 ///< displacement of the wheel by the load [m]
+  double lowered = 0.0;               ///< present displacement [m]
   /// Strips of the last solutions, as start of the next iteration on the same load.
   std::vector<StripStart> strips = std::vector<StripStart>(1);
 

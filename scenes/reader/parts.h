@@ -21,7 +21,7 @@ struct Draft {
   std::vector<ChangeOfBodies> body_changes{};
   std::size_t stage_of_gravity = 0;                 ///< the last one that sets it
   std::string start_run{};                          ///< as ReadOptions has it
-  std::shared_ptr<struct MadeRun>* made = nullptr;  ///< that [start] speaks of, kept for all stages
+  std::shared_ptr<struct MadeRun>* made = nullptr;  ///< the run named by [start], kept for all stages
 };
 
 void read_run(Draft& draft);
@@ -40,7 +40,7 @@ struct BodyFile {
 };
 void read_polyset(Draft& draft, const BodyFile& file);
 void read_fills(Draft& draft);
-void read_stages(Draft& draft);        ///< how long each lasts
+void read_stages(Draft& draft);        ///< their durations
 void read_start(Draft& draft);         ///< [start]: data from another run
 void read_stage_bodies(Draft& draft);  ///< body.NAME of stages, when all bodies are there
 void check_stage(Draft& draft);        ///< checks that need the measures

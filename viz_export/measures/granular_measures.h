@@ -57,7 +57,7 @@ class ReposeMeasure final : public Measure {
     double at = 0, height = -std::numeric_limits<double>::infinity();
   };
   struct Ring {
-    double fields = 0, at = 0, height = 0;  ///< how many with bodies; means of their highest tops [m]
+    double fields = 0, at = 0, height = 0;  ///< number of sectors with bodies; means of their highest points [m]
     double highest = -std::numeric_limits<double>::infinity();
   };
   double distance(const Vec3& x) const;

@@ -48,7 +48,7 @@ struct RunSummary {
   };
   std::vector<StageTimes> stages{};   ///< absent where the scene has none
   std::string failure;                ///< why, where the status is not completed; else empty and absent
-  std::vector<std::string> warnings;  ///< what went wrong without ending the run; empty where nothing did
+  std::vector<std::string> warnings;  ///< warnings of the run; may be empty
   std::uint64_t bodies = 0, bodies_lost = 0;
   std::uint64_t bodies_removed = 0;  ///< by remove_at, stages, outlets and the domain
   std::uint64_t steps = 0;

@@ -12,7 +12,7 @@
 namespace epafi {
 
 struct Overview {
-  ViewBox box;  ///< what a picture shows: strays and far walls are left out
+  ViewBox box;  ///< region of the picture, without strays and distant walls
   /// Colour range of each numeric field. Both ends are equal for a single value; a field without values (no free
   /// bodies) is absent.
   std::map<std::string, std::array<double, 2>> range;

@@ -46,7 +46,7 @@ class ViewSource {
   virtual std::string stop_text() const { return {}; }
   /// Warnings of unreadable parts of the run's files, each once, as far as the files have been read.
   virtual std::vector<std::string> warnings() const { return {}; }
-  virtual double last_time() const { return times().empty() ? 0.0 : times().back(); }  ///< that anything tells of [s]
+  virtual double last_time() const { return times().empty() ? 0.0 : times().back(); }  ///< last time with data [s]
 };
 
 /// Reads run.h5, and the contacts from frames/. Throws FileError. command: who asks, for the message of a folder that

@@ -91,7 +91,7 @@ class ClippedSolid {
   std::vector<double> above_;  ///< of the plane now cut by, by point
   std::vector<std::uint32_t>
       new_name_;  ///< of kept points, the largest number for the others; while a body is taken, of its vertices
-  std::uint32_t kept_ = 0;                ///< how many are kept: the names of cuts begin there
+  std::uint32_t kept_ = 0;                ///< number of kept vertices: keys of cuts begin there
   std::vector<std::uint64_t> crossings_;  ///< inside and outside point of each cut
   std::vector<std::uint32_t> cap_next_;   ///< by cut: the cut that follows it around the plane
 };

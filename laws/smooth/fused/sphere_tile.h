@@ -102,7 +102,7 @@ struct SphereTile {
     V before;                  ///< the same as it comes into the step
     V energy;                  ///< twice its energy then [J]
     V shrink;                  ///< old compliance times stiffness
-    V3 start, load;            ///< as it comes into the step, and now [N]
+    V3 start, load;            ///< at the start of the step, and now [N]
     // what SphereTotals sums
     V elastic, viscous, lost, twice_stored, twice_slipped;
     V virial_x, virial_y, virial_z;
