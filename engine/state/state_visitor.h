@@ -14,14 +14,6 @@
 
 namespace epafi {
 
-/// Plain bytes: trivially copyable types and Eigen's fixed-size vectors and quaternions (no pointers inside).
-template <class T>
-inline constexpr bool is_plain = std::is_trivially_copyable_v<T>;
-template <class S, int R, int C, int O, int MR, int MC>
-inline constexpr bool is_plain<Eigen::Matrix<S, R, C, O, MR, MC>> = R > 0 && C > 0 && std::is_arithmetic_v<S>;
-template <class S, int O>
-inline constexpr bool is_plain<Eigen::Quaternion<S, O>> = std::is_arithmetic_v<S>;
-
 /// Owner of the rows of a column. Code that moves bodies to other processes moves these rows with them.
 enum class RowsOf : std::uint8_t {
   nobody,        ///< the state as a whole
