@@ -24,10 +24,10 @@ struct CorpusPair {
 
   /// Separation along n by brute force in extended precision: min over B of n.x minus max over A.
   long double separation(const Vec3& n) const;
-  /// What doubles can resolve: 1e-12 of the smaller body and 1e-15 of the largest coordinate [m].
+  /// Smallest length that doubles resolve: 1e-12 of the smaller body and 1e-15 of the largest coordinate [m].
   double resolution() const;
-  /// B's poses while the pair moves to and fro about where it is: neighbours in time are up to 1e-3 of the size apart,
-  /// by 0.7e-3 on average, and turned so that no point of B moves by more than that again.
+  /// Poses of B while the pair oscillates about its pose: successive ones are up to 1e-3 of the size apart, 0.7e-3 on
+  /// average, and rotated so that no point of B moves by more than that in addition.
   std::vector<Pose> moving_poses(std::size_t count, Random& random) const;
 };
 

@@ -19,9 +19,9 @@ namespace epafi {
 /// Inertia about the origin of a body whose inertia about its centre is known (Huygens-Steiner); about 0 of mass m.
 [[nodiscard]] Mat3 inertia_about_origin(const MassProperties& body);
 
-/// Where the principal axes lie in the axes of the author of a geometry: x_author = centre + orientation x_principal.
-/// A body that the author places at position p with orientation q has its centre of mass at p and the principal
-/// orientation q * orientation.
+/// Principal axes of a geometry in the axes of its author: x_author = centre + orientation x_principal. A body that the
+/// author places at position p with orientation q has its centre of mass at p and the principal orientation q *
+/// orientation.
 struct PrincipalFrame {
   Vec3 centre = Vec3::Zero();           ///< centre of mass, author's axes [m]
   Quat orientation = Quat(1, 0, 0, 0);  ///< principal to author's axes

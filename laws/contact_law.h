@@ -1,7 +1,7 @@
-/// @file contact_law.h  What a smooth law sees of a contact, and what its normal, tangential and rolling parts offer.
-/// A part is a set of static functions over plain parameters of a material pair. Formulas are templates over the number
-/// of contacts at a time: `ParametersOf<Real>`, `StateOf<Real>` and `respond` with Real = double or lanes. A
-/// law written for one number alone is evaluated lane by lane.
+/// @file contact_law.h  Interface of smooth contact laws: their input, and the concepts of the normal, tangential and
+/// rolling parts. A part is a set of static functions of the plain parameters of a material pair. Formulas may be
+/// templates over the number of contacts at a time: `ParametersOf<Real>`, `StateOf<Real>` and `respond` with Real =
+/// double or SIMD lanes. A law written for double alone is evaluated lane by lane.
 #pragma once
 #include <concepts>
 
@@ -19,12 +19,12 @@ struct KinematicsOf {
   Real overlap{};            ///< delta = -gap [m]
   Real approach_velocity{};  ///< d(delta)/dt, > 0 while approaching [m/s]
   Real effective_mass{};     ///< m* [kg]; the mass of the free body against a fixed one
-  Real effective_radius{};   ///< R* [m]; NaN where the law did not ask for curvature
-  Real area{};               ///< of a cell of overlap volume [m^2], where the law asked for it
+  Real effective_radius{};   ///< R* [m]; NaN unless the law needs curvature
+  Real area{};               ///< contact area (volume over overlap) [m^2], if the law needs it
   Real middle_velocity{};    ///< as approach_velocity, in the middle of the step [m/s]
-  DamperStep<Real> step{};   ///< none: approach_velocity is exact
+  DamperStep<Real> step{};   ///< default: approach_velocity is exact
 
-  /// Of a dashpot [N s/m] beside a spring of that stiffness [N/m], positive while approaching [N].
+  /// Force [N] of a dashpot [N s/m] beside a spring of this stiffness [N/m]; positive while approaching.
   EPAFI_LANES Real viscous(const Real& dashpot, const Real& stiffness) const {
     const Real damper = damper_in_step<Real>(step.half_mobility, dashpot, Real{});
     return damper_force(step, damper, stiffness, approach_velocity, middle_velocity);
@@ -38,18 +38,18 @@ struct KinematicsOf {
 };
 using ContactKinematics = KinematicsOf<double>;
 
-/// What a normal law answers.
+/// Result of a normal law.
 template <class Real>
 struct ResponseOf {
   Real force{};          ///< N [N]; >= 0 unless the law is adhesive: a contact never pulls
   Real elastic_force{};  ///< the part of N that is stored, dU/d(delta) [N]
   Real stiffness{};      ///< k_n = d(elastic_force)/d(delta) [N/m]
   Real energy{};         ///< U(delta) [J]
-  Real adhesion{};       ///< the force that parts the bodies [N], >= 0: friction slides at mu (N + adhesion)
-  Real lost{};           ///< to plastic deformation or adhesion since the last step [J]
-  Real dashpot{};        ///< c of the viscous part of N [N s/m]; where a damped law leaves it 0, losses err by order dt
-  Real growth{};         ///< q of c ~ overlap^q, 0 to 1.5, of a law without memory
-  Real share_before{};   ///< of a law with memory: c of the step before over c now, 0 for a new contact
+  Real adhesion{};       ///< pull-off force [N], >= 0: friction slides at mu (N + adhesion)
+  Real lost{};           ///< energy lost to plastic deformation or adhesion since the last step [J]
+  Real dashpot{};  ///< c of the viscous part of N [N s/m]; if a damped law leaves it 0, losses have errors of order dt
+  Real growth{};   ///< laws without memory: q of c ~ overlap^q, 0 to 1.5
+  Real share_before{};  ///< laws with memory: c of the previous step over c now, 0 for a new contact
 };
 using NormalResponse = ResponseOf<double>;
 
@@ -57,7 +57,7 @@ using NormalResponse = ResponseOf<double>;
 template <int part>
 struct Nothing {};
 
-/// Names of what a scene must give for a law, nearest first; empty when all is there.
+/// Keys that a scene lacks for a law, nearest first; empty if it is complete.
 using Missing = std::vector<std::string>;
 
 template <class L>
@@ -98,7 +98,7 @@ concept NormalLaw = LawPart<L> &&
   };  ///< state before, state now
 };
 
-/// What the dashpot of a law, which remembers or not, does to the balance of energy (laws/smooth/damper.h).
+/// Power lost in the dashpot of a law [W] (laws/smooth/damper.h). remembers: the law has memory.
 template <class Real>
 EPAFI_LANES Real viscous_loss(const KinematicsOf<Real>& at, const ResponseOf<Real>& r, bool remembers) {
   const Real damper = damper_in_step<Real>(at.step.half_mobility, r.dashpot, r.growth);
@@ -141,7 +141,7 @@ concept LaneFriction = requires(const typename L::template ParametersOf<Lanes>& 
   { L::stiffness(p, normal_stiffness) } -> std::same_as<Lanes>;
 };
 
-/// Some laws of a list share one evaluation and differ in how their parameters are computed.
+/// Laws that differ only in how parameters are computed share one evaluation.
 template <class L>
 struct LoopOfLaw {
   using type = L;
@@ -154,23 +154,23 @@ struct LoopOfLaw<L> {
 template <class L>
 using Loop = typename LoopOfLaw<L>::type;
 
-/// What friction sees of one step. All lengths in the contact plane.
+/// Input of friction in one step. All lengths are in the contact plane.
 struct SlipStep {
   Vec3 normal;              ///< now, from A to B
-  double twist;             ///< mean turn of the pair about the normal [rad]
+  double twist;             ///< mean rotation of the pair about the normal in the step [rad]
   Vec3 displacement;        ///< of B against A [m]
   double normal_stiffness;  ///< k_n [N/m]
-  double normal_force;      ///< what friction slides at, over mu: N + adhesion [N], >= 0
+  double normal_force;      ///< N + adhesion [N], >= 0: friction slides at mu times this
 };
 
-/// What it answers.
+/// Result of friction.
 struct FrictionResponse {
   Vec3 load = Vec3::Zero();  ///< on A [N]
   double energy = 0.0;       ///< stored now [J]
-  double work = 0.0;         ///< done on it during the step, by the trapezoid of the load [J]
+  double work = 0.0;         ///< work done on the spring during the step, by the trapezoidal rule [J]
 };
 
-/// Friction that remembers: pull(parameters, step, memory before, memory now).
+/// Friction: pull(parameters, step, memory before, memory now).
 template <class L>
 concept TangentialLaw = LawPart<L> &&
     requires(const typename L::Parameters& p, const SlipStep& step, typename L::Memory& m) {
@@ -179,13 +179,13 @@ concept TangentialLaw = LawPart<L> &&
   { L::pull(p, step, m, m) } -> std::same_as<FrictionResponse>;
 };
 
-/// Friction whose spring may have a dashpot beside it, `damping` of the critical one.
+/// Friction with a dashpot beside the spring, with `damping` times the critical value.
 template <class L>
 concept WithDashpot = LaneFriction<L> && requires(const typename L::Parameters& p) {
   { p.damping } -> std::convertible_to<double>;
 };
 
-/// What rolling resistance sees of one step, of one contact or of several.
+/// Input of rolling resistance in one step, for one contact or several.
 template <class Real>
 struct RollingStepOf {
   Real normal_stiffness, normal_force, radius;  ///< k_n [N/m], N [N], R* [m]
@@ -196,14 +196,16 @@ struct RollingStepOf {
 };
 using RollingStep = RollingStepOf<double>;
 
-/// A rolling spring (stiffness 0: none) and dashpot with a largest moment.
+/// A rolling spring (stiffness 0: none) and dashpot with a limit of their moment.
 template <class L>
 concept RollingLaw = LawPart<L> && requires(const typename L::Parameters& p, const RollingStep& step) {
   { L::is_present } -> std::convertible_to<bool>;
   { L::stiffness(p, step) } -> std::same_as<double>;  ///< [N m/rad]
   { L::limit(p, step) } -> std::same_as<double>;      ///< [N m]
   { L::damping(p, step) } -> std::same_as<double>;    ///< [N m s]
-  { L::stops_at_once(p) } -> std::same_as<bool>;  ///< its dashpot stops a spin within the step (laws/smooth/damper.h)
+  {
+    L::stops_at_once(p)
+    } -> std::same_as<bool>;  ///< its dashpot may stop a spin within one step (laws/smooth/damper.h)
 };
 
 inline Field optional_field(const char* name, const char* symbol, const char* unit, Kind kind, const Range& range,
@@ -213,7 +215,7 @@ inline Field optional_field(const char* name, const char* symbol, const char* un
   return f;
 }
 
-/// The default of a field of an entry, where the scene leaves it out.
+/// Value of a field, or the entry's default if the scene omits it; NaN if there is neither.
 inline double number_or_default(const Parameters& given, const Entry& entry, const std::string& name) {
   if (given.has(name)) return given.number(name);
   for (const auto& f : entry.fields)

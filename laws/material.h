@@ -20,7 +20,7 @@ struct Material {
   double shear_modulus() const { return youngs_modulus / (2.0 * (1.0 + poissons_ratio)); }  ///< G [Pa]
 };
 
-/// What the scene says of one unordered pair of materials.
+/// Properties of one unordered pair of materials in the scene.
 struct MaterialPair {
   Material a, b;
   double restitution = 0.0;       ///< e [-], in [0, 1]

@@ -1,17 +1,18 @@
-/// @file common_columns.h  Columns of a state whose rows are no body's and no contact's, over all ranks.
+/// @file common_columns.h  Columns of a state that belong neither to bodies nor to contacts, over all processes.
 #pragma once
 #include "engine/step/simulation.h"
 #include "ranks/state_image.h"
 
 namespace epafi {
 
-/// What is nobody's is that of rank 0 everywhere; of shared sums rank 0 has all. Two messages, however many columns.
+/// Common columns get the values of rank 0 everywhere; rank 0 gets the total of shared sums. Two messages for all
+/// columns.
 void take_common(StateImage& image);
 /// Shared sums, at rank 0 and everywhere else.
 void sum_shares(StateImage& image);
 /// Rows of bodies and contacts.
 void drop_rows(StateImage& image);
-/// What detection keeps by slot is void; what contact models keep comes in with the state.
+/// Data of detection by slot become invalid; data of contact models come with the state.
 void forget_slots(Simulation& simulation);
 
 }  // namespace epafi

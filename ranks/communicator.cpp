@@ -66,7 +66,7 @@ struct Joint::Message {
     double sums = 0.0;  ///< so many come first
     double value[most] = {};
   };
-  /// Those of another rank go into what there is of some.
+  /// MPI reduction of `more` into `some`: sums first, then maxima.
   static void join(void* more, void* some, int* count, MPI_Datatype* /*type*/) {
     const auto* from = static_cast<const Numbers*>(more);
     auto* to = static_cast<Numbers*>(some);

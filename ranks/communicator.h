@@ -10,7 +10,7 @@
 
 namespace epafi {
 
-/// Between these two lies everything else; main thread only.
+/// Start and end of MPI; main thread only.
 void begin_ranks(int& argc, char**& argv);
 void end_ranks();
 /// Ends all ranks at once, whatever they do; mpirun's exit code is this one.
@@ -19,13 +19,13 @@ void end_ranks();
 int rank_count();
 int rank_number();
 
-/// What rank 0 has comes to all.
+/// Broadcasts the data of rank 0.
 void broadcast(void* data, std::size_t bytes);
-/// Number by number, over all ranks. Sums of whole numbers below 2^53 are exact, others rounded.
+/// Element-wise, over all ranks. Sums of whole numbers below 2^53 are exact, others rounded.
 void sum_over_ranks(std::span<double> numbers);
 void max_over_ranks(std::span<double> numbers);
 
-/// Sums and largest ones of all ranks in one message, which travels while its owner computes.
+/// Sums and maxima over all ranks in one message, overlapped with computation.
 class Joint {
  public:
   static constexpr std::size_t most = 32;  ///< numbers in all
@@ -34,7 +34,7 @@ class Joint {
   Joint(const Joint&) = delete;
   Joint& operator=(const Joint&) = delete;
   void begin(std::span<const double> sums, std::span<const double> largest);
-  /// Those of all ranks, in the places that `begin` had.
+  /// The results over all ranks, in the order of `begin`.
   void finish(std::span<double> sums, std::span<double> largest);
 
  private:
@@ -44,7 +44,7 @@ class Joint {
 
 /// A number of each rank, at rank 0; empty elsewhere.
 std::vector<double> gather_numbers(double mine);
-/// Rows of so many bytes of all ranks, one rank behind the other, come to rank 0; `all` is empty elsewhere.
+/// Gathers rows of this size [B] at rank 0, in the order of ranks; `all` is empty elsewhere.
 void gather_rows(const RowBytes& mine, std::size_t row, RowBytes& all);
 
 }  // namespace epafi

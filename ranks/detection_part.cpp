@@ -14,7 +14,7 @@ namespace epafi {
 
 namespace {
 
-/// f(column) for all that detection reads of a moving body.
+/// Calls f(column) for all columns of a moving body that detection reads.
 template <class W, class F>
 void each_seen(W& world, const F& f) {
   f(world.position);
@@ -31,13 +31,13 @@ std::size_t seen_bytes(World& world) {
   return bytes;
 }
 
-/// What lists foresee of the bodies' way.
+/// State from which lists predict the motion of bodies.
 struct Moment {
   double time, clock;
   double gravity[3], fallen[3];
 };
 
-/// By the slots of the whole.
+/// A contact; slots are those of the whole simulation.
 struct FoundRow {
   Slot a, b;
   Feature feature;

@@ -1,7 +1,7 @@
-/// @file detection_part.h  The search for contacts, shared out: each rank finds those of its bodies, with ghosts of
-/// others and all held bodies, and rank 0, which has all bodies, gets them as if it had found them itself. For steps
-/// whose impulses belong to all contacts together. A pair is tested by one rank alone, the owner of its first free
-/// body. All functions but the getters are called by all ranks together; what only rank 0 has is null elsewhere.
+/// @file detection_part.h  Distributed search for contacts: each rank finds those of its bodies, with ghosts of others
+/// and all held bodies; rank 0, which has all bodies, gathers them in the order of one process. For non-smooth steps,
+/// whose impulses depend on all contacts. One rank tests a pair, the owner of its first free body. All ranks call all
+/// functions except getters; arguments that only rank 0 has are null elsewhere.
 #pragma once
 #include "engine/step/simulation.h"
 #include "ranks/part_figures.h"
@@ -12,18 +12,18 @@ namespace epafi {
 
 class DetectionPart {
  public:
-  /// The simulation is of the same scene as the whole one; of its stages those of detection are used.
+  /// simulation: of the same scene as the whole one; only its detection is used.
   DetectionPart(Simulation& simulation, PartSetup setup) : sim_(simulation), territory_(std::move(setup)) {}
 
-  /// All bodies are cut anew and shared out, with what the narrow phase of the whole remembers; longest: way of a body
-  /// between two searches [m].
+  /// Distributes all bodies anew, with the memory of the whole's narrow phase; longest: motion of a body between two
+  /// searches [m].
   void receive(World* whole, NarrowPhase* memory, double longest);
-  /// Where the bodies are now, to all; the contacts come to rank 0 in canonical order.
+  /// Sends the present positions to all; gathers the contacts at rank 0 in canonical order.
   void find(const World* whole, ContactSet* contacts);
-  /// What the narrow phases remember goes back into that of the whole.
+  /// Returns the memory of the narrow phases to that of the whole.
   void give(NarrowPhase* memory);
 
-  /// By how much a free body may move from where it was received [m].
+  /// Distance by which a free body may move before bodies must be distributed anew [m].
   double margin() const { return territory_.margin(); }
   const PartFigures& figures() const { return figures_; }
   /// For what others book of this rank's time.

@@ -9,7 +9,7 @@ namespace epafi {
 
 namespace {
 
-/// f(column) for all columns that a step changes; every element is that of one body.
+/// Calls f(column) for all columns that a step changes; one element per body.
 template <class F>
 void each_moving(World& world, bool by_states, const F& f) {
   const bool rotates = world.rotates();

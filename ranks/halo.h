@@ -1,4 +1,4 @@
-/// @file halo.h  What a rank sees of bodies that others own: after each step their owners send what moves of them.
+/// @file halo.h  Ghosts of a rank: after each step the owners send the changed state of bodies.
 #pragma once
 #include <span>
 #include <utility>

@@ -1,4 +1,4 @@
-/// @file orders.h  What rank 0 tells all ranks to do next, together with it.
+/// @file orders.h  Orders of rank 0 for the next common task of all ranks.
 #pragma once
 #include <cstdint>
 #include <exception>
@@ -27,7 +27,7 @@ enum class Task : std::int32_t {
   end
 };
 
-/// As it is sent to all.
+/// An order as sent to all ranks.
 struct Order {
   Task task = Task::end;
   std::int32_t code = 0;  ///< to end with; totals: overlaps are asked for too
@@ -57,7 +57,7 @@ static_assert(std::is_trivially_copyable_v<Order>);
 /// By rank 0; the others take it by the same broadcast.
 inline void tell(Order order) { broadcast(&order, sizeof order); }
 
-/// True while it lives, and for ever where it is left by an exception.
+/// True during its lifetime, and for ever after an exception.
 class Busy {
  public:
   explicit Busy(bool& busy) : busy_(busy), exceptions_(std::uncaught_exceptions()) { busy_ = true; }

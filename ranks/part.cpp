@@ -99,7 +99,7 @@ void Part::receive(Simulation* whole) {
   timer.lap(RankStage::sharing);
 }
 
-/// Bodies go to the ranks in whose parts they are now; longest: way of a body in the next step [m].
+/// Moves bodies to the ranks in whose parts they are now; longest: largest displacement in the next step [m].
 void Part::move(double longest) {
   territory_.suit(longest, all_, all_ghosts_);
   if (is_uneven_) territory_.cut_by_owners(sim_.world, sim_.world.owner, work_.take(), worked_, all_);
@@ -149,7 +149,8 @@ void Part::give_bodies(Simulation* whole) {
   });
 }
 
-/// Those that this rank tells of; in_pieces: those of the model behind the others, as its own.
+/// Rows of the contacts that this rank reports; in_pieces: those that the contact model keeps follow, marked as its
+/// own.
 RowBytes Part::contact_rows(bool in_pieces) {
   const World& world = sim_.world;
   ContactSet& set = sim_.work.contacts;
@@ -177,7 +178,8 @@ RowBytes Part::contact_rows(bool in_pieces) {
 
 namespace {
 
-/// Of a body in a contact, as a contact model orders what it keeps by itself: balls of free clumps, held balls, others.
+/// Sort key of a body in a contact, as a contact model orders the contacts that it keeps: balls of free clumps, held
+/// balls, others.
 struct PlaceInModel {
   int kind;
   Slot body;
@@ -195,7 +197,7 @@ struct ContactKey {
 
 }  // namespace
 
-/// Those of the model stand by the lower place, or the ball's at a plane.
+/// Contacts of the model are sorted by the lower of the two keys, at a plane by that of the ball.
 void Part::put_contacts(const RowBytes& rows, World& world, ContactSet& all) const {
   const auto is_plane = [&](Slot s) { return std::isinf(territory_.radius(world.shape[s])); };
   const auto place_of = [&](Slot s, Feature& parts) -> PlaceInModel {
@@ -264,14 +266,15 @@ Part::Speeds Part::speeds_of_own() const {
   return all;
 }
 
-/// With which the bodies go through the step that has begun: no acceleration comes on top.
+/// Velocities of the bodies in the step that has begun, without an acceleration.
 Part::Speeds Part::speeds_of(const Extent& begun) const {
   const Vec3 &low = begun.slowest, &high = begun.fastest;
   const double none = own_ > 0.0 ? 0.0 : -std::numeric_limits<double>::infinity();
   return {high.x(), high.y(), high.z(), -low.x(), -low.y(), -low.z(), none};
 }
 
-/// Of all ranks. In a cell that deforms nothing is common: the flow would change it.
+/// Takes the largest velocities over all ranks. In a deforming cell bodies have no common displacement: the flow would
+/// change it.
 void Part::take_speeds(std::span<const double> largest) {
   if (!(largest[6] >= 0.0)) return;  // nobody has bodies
   for (std::size_t k = 0; k < 3; ++k) {
@@ -282,7 +285,7 @@ void Part::take_speeds(std::span<const double> largest) {
   motion_.acceleration = largest[6];
 }
 
-/// Beside what they do together and the flow of the cell [m].
+/// Largest displacement of this rank's bodies relative to their common one and to the flow of the cell [m].
 double Part::farthest_of_own() const {
   const World& world = sim_.world;
   const Vec3 low = world.cell ? world.cell->low : Vec3(Vec3::Zero());
@@ -296,7 +299,7 @@ double Part::farthest_of_own() const {
   });
 }
 
-/// The cell has deformed before this step: what was so far apart is farther or nearer now.
+/// Scales distances by the deformation of the cell before this step.
 void Part::note_flow(double dt) {
   double most = 1.0;
   for (const double rate : sim_.world.cell->strain_rate)
@@ -319,8 +322,9 @@ bool Part::stays(double dt) {
   return is_near();
 }
 
-/// Those that every rank does by itself; what they have booked as work, at rank 0 [J]. Where an earlier event moves
-/// free bodies, a common one asks them when its turn comes, else it has done so behind the last step.
+/// Runs the events that every rank runs by itself; returns their work, at rank 0 [J]. Common events need an answer from
+/// all ranks: they got it after the last step, or get it here where an earlier event (a deforming cell) moves free
+/// bodies.
 double Part::act_events(double dt) {
   World& world = sim_.world;
   if (std::exchange(prepared_, false)) return 0.0;
@@ -341,8 +345,8 @@ double Part::act_events(double dt) {
   return sim_.ledger.last().work - work + 0.5 * dt * (sim_.held_power() - power);
 }
 
-/// Sees to it that all bodies which contacts need in the step are here. True where bodies have come when its first half
-/// was done.
+/// Ensures that this rank has all bodies that contacts need in the step. True where bodies arrived after its first
+/// half.
 bool Part::hold(double dt) {
   const bool ahead = sim_.is_ahead();
   if (ahead) motion_.go(dt);
@@ -353,7 +357,7 @@ bool Part::hold(double dt) {
   return ahead && moves;
 }
 
-/// As Simulation::make_step, of all ranks: they know alike what is asked here.
+/// As in Simulation::make_step; gives the same answer on all ranks.
 bool Part::may_run_on(const std::optional<Domain>& domain) const {
   if (settled_ || (sim_.is_ahead() ? !inside_ || (domain && !had_domain_) : domain.has_value())) return false;
   return std::ranges::all_of(sim_.events,
@@ -372,7 +376,7 @@ bool Part::step(double dt, const std::optional<Domain>& domain, bool run_on, Ste
   virial_is_joined_ = false;
   work_.begin();
   if (sim_.loads) sim_.loads->before_step(world, dt);
-  // the work of a strain is by the forces before and after it: process 0 books the former, of all contacts
+  // the work of a strain uses the forces before and after it: process 0 books the former, for all contacts
   if (world.cell && rank_number() != 0) world.cell->virial.setZero();
   const RunOn leave{[](const Extent&) { return true; }, true};
   StageTimer stages(sim_.work.report.seconds);

@@ -22,7 +22,7 @@ namespace epafi {
 
 class Part {
  public:
-  /// The simulation is of the same scene as the whole one; what it holds is thrown away.
+  /// simulation: of the same scene as the whole one; its bodies are discarded.
   Part(Simulation& simulation, PartSetup setup)
       : sim_(simulation),
         stiffness_(setup.stiffness),
@@ -31,19 +31,20 @@ class Part {
         tied_(setup.tied),
         territory_(std::move(setup)) {}
 
-  /// The state of the whole, which only rank 0 has, is cut anew and shared out.
+  /// Distributes the state of the whole, which only rank 0 has, by new cuts.
   void receive(Simulation* whole);
-  /// The state of all parts comes into the whole.
+  /// Gathers the state of all parts in the whole.
   void give(Simulation* whole);
   /// As RemoteSteps::fetch_seen.
   void give_seen(Simulation* whole, ContactView contacts);
   /// Of all parts, at rank 0: as RemoteSteps has them.
   RemoteTotals totals(bool overlaps);
   double stiffness(double dt);
-  /// One step; report: what all parts did in it. False where a body is astray. run_on: as RemoteSteps::step.
+  /// One step; report: sums over all parts. False if a body is outside the domain or not finite. run_on: as
+  /// RemoteSteps::step.
   bool step(double dt, const std::optional<Domain>& domain, bool run_on, StepReport& report);
   PartFigures figures() const;
-  /// For what others book of this rank's time.
+  /// Timer of this rank, for work that other code books.
   PartFigures& ledger() { return figures_; }
 
  private:
@@ -64,8 +65,8 @@ class Part {
   /// Of the free bodies of all ranks. What they do together takes none nearer to another one, as where all fall: ways
   /// and speeds are those beside it, along the axes that are cut.
   struct Motion {
-    double way = 0.0;                              ///< at most, since they were placed [m]
-    Vec3 together = Vec3::Zero();                  ///< the common way since then [m]
+    double way = 0.0;                              ///< largest displacement since they were placed [m]
+    Vec3 together = Vec3::Zero();                  ///< common displacement since then [m]
     Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< of their velocities [m/s]
     double acceleration = 0.0;                     ///< largest, squared [m^2/s^4]
     Vec3 along = Vec3::Ones();                     ///< as Territory::cut_axes
@@ -106,12 +107,12 @@ class Part {
   Territory territory_;
   Halo halo_;
   std::vector<std::uint32_t> place_;  ///< by slot: in the order of all bodies
-  /// Where bodies were when they were placed, by slot, and what they were in.
+  /// Positions of bodies when they were placed, by slot, and the cell then.
   struct Start {
     std::vector<Vec3> position;  ///< [m]
     std::vector<Wraps> wraps;    ///< in a periodic cell
     Vec3 cell = Vec3::Ones();    ///< its size [m]
-    double grown = 1.0;  ///< at most so many times as far apart were they as the cell's flow alone would tell now
+    double grown = 1.0;          ///< largest factor by which the cell's flow has reduced distances since
   } start_;
   double own_ = 0.0;                     ///< free bodies of this rank
   double all_ = 0.0, all_ghosts_ = 0.0;  ///< free bodies and ghosts of all ranks

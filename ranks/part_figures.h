@@ -11,7 +11,7 @@ namespace epafi {
 struct PartFigures {
   double own = 0.0, ghosts = 0.0;  ///< bodies, summed over the steps
   double steps = 0.0;
-  double moved = 0.0;  ///< how often bodies went to other ranks
+  double moved = 0.0;  ///< number of times that bodies moved to other ranks
   double bytes = 0.0;  ///< sent in all
   RankSeconds seconds{};
   double& operator[](RankStage stage) { return seconds[static_cast<std::size_t>(stage)]; }

@@ -1,4 +1,4 @@
-// What a step of a part comes to, over all parts.
+// Sums and maxima of a step over all parts.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -11,7 +11,7 @@
 
 namespace epafi {
 
-/// Those of contacts that the model has not found itself.
+/// Largest overlaps of contacts that the model has not found itself.
 void Part::note_overlaps() {
   const ContactSet& c = sim_.work.contacts;
   const World& world = sim_.world;
@@ -23,8 +23,8 @@ void Part::note_overlaps() {
   });
 }
 
-/// Of fixed and driven bodies, where events read them: all ranks know the sums over all contacts, which have the bits
-/// of one process.
+/// Sums the loads on fixed and driven bodies over all ranks, where events read them; bitwise equal to those of one
+/// process.
 void Part::join_held_loads() {
   World& world = sim_.world;
   if (!world.columns().held_force) return;
@@ -51,7 +51,7 @@ void Part::join_held_loads() {
   if (!tied_.empty()) take_off_held_pulls();
 }
 
-/// Those of springs, one after the other as in one process.
+/// Subtracts the loads of springs, in the order of one process.
 void Part::take_off_held_pulls() {
   World& world = sim_.world;
   std::vector<HeldPull> mine;
@@ -74,8 +74,7 @@ void Part::take_off_held_pulls() {
   }
 }
 
-/// Of all contacts, to the bits of one process; before those that the model keeps by itself are in one set with the
-/// others.
+/// Virial of all contacts, bitwise equal to that of one process. Call before contacts kept by the model join the set.
 void Part::join_virial() {
   World& world = sim_.world;
   if (!world.cell || std::exchange(virial_is_joined_, true)) return;
@@ -92,7 +91,7 @@ void Part::join_virial() {
   world.cell->virial = virial;
 }
 
-/// Before those that the model keeps by itself are in one set with the others.
+/// Sums of overlaps. Call before contacts kept by the model join the set.
 void Part::sum_overlaps() {
   if (overlaps_) return;
   const World& world = sim_.world;
@@ -128,7 +127,8 @@ double Part::stiffness(double dt) {
   return largest;
 }
 
-/// Of the bodies that this rank owns. Where the next step has begun they were inside the domain.
+/// True where this rank's bodies are finite and inside the domain; once the next step has begun the domain is not
+/// checked.
 bool Part::is_sound(const std::optional<Domain>& domain) const {
   static const std::optional<Domain> everywhere;
   const std::optional<Domain>& room = sim_.is_ahead() ? everywhere : domain;

@@ -22,7 +22,7 @@ class Partition {
   /// 1 along axes on which some rank's part ends, else 0.
   Vec3 cut_axes() const;
   int owner(const Vec3& x) const;
-  /// All of a cube of this half side is in the part of this rank; true is sure, false is not.
+  /// True if a cube of this half side is certainly inside the part of this rank.
   bool is_deep(const Vec3& x, double half, int rank) const;
   /// Adds the ranks whose part meets a cube of this half side.
   void ranks_near(const Vec3& x, double half, std::vector<int>& ranks) const;

@@ -1,6 +1,6 @@
-/// @file plan.h  Rows to ranks, as often as wanted: who sends how many to whom is found once. Zoltan's plans do the
-/// same but wait for all ranks in every exchange (an MPI_Allreduce in Zoltan_Comm_Do_Post); these wait for neighbours
-/// alone.
+/// @file plan.h  Communication plan: the ranks and numbers of rows are found once, rows are sent repeatedly. Zoltan's
+/// plans wait for all ranks in every exchange (an MPI_Allreduce in Zoltan_Comm_Do_Post); these wait only for
+/// neighbours.
 #pragma once
 #include <cstddef>
 #include <memory>
@@ -21,13 +21,13 @@ class Plan {
 
   std::size_t sent() const;
   std::size_t received() const;
-  /// Rows of so many bytes, in the order of `to`. They come by rank, those of one rank as it sent them.
+  /// Sends rows of this size [B], in the order of `to`. They arrive by rank, in the order of the sender.
   void run(const RowBytes& rows, std::size_t row, RowBytes& arrived) {
     begin(rows, row, arrived);
     finish();
   }
-  /// The same in two steps. Nobody waits for ranks that send him nothing; neither vector is touched in between. Rows in
-  /// the order of their ranks are sent from where they are.
+  /// The same in two parts, without waiting for ranks that send nothing; the vectors must not change in between. Rows
+  /// in the order of ranks are sent without a copy.
   void begin(const RowBytes& rows, std::size_t row, RowBytes& arrived);
   void finish();
 

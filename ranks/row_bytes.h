@@ -1,5 +1,4 @@
-/// @file row_bytes.h  Rows of bytes on their way, each written before it is read; many of them in large pages, which
-/// are quicker to come by.
+/// @file row_bytes.h  Buffer of rows, uninitialised; large ones use large pages, which are faster to allocate.
 #pragma once
 #include <cstddef>
 

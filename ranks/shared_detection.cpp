@@ -11,7 +11,7 @@ namespace epafi {
 
 namespace {
 
-/// The ranks list the pairs of their bodies themselves.
+/// Broad phase of the whole simulation: finds nothing, since ranks list the pairs of their bodies themselves.
 class PairsElsewhere final : public BroadPhase {
  public:
   const char* name() const override { return "by rank"; }
@@ -41,7 +41,7 @@ class SharedNarrowPhase final : public NarrowPhase {
 
   void unite(const World& world, ContactSet& contacts) override { memory_->unite(world, contacts); }
 
-  /// Nothing that is remembered by slots lasts.
+  /// Data of ranks by slot become invalid.
   void reorder(const Reordering& change) override {
     memory_->reorder(change);
     away_ = false;
@@ -49,7 +49,7 @@ class SharedNarrowPhase final : public NarrowPhase {
 
   void visit(StateVisitor& visitor) override {
     if (away_) fetch();
-    memory_->visit(visitor);  // it may be another state that comes in
+    memory_->visit(visitor);  // the visitor may bring in another state
   }
 
   RankFigures figures() {
@@ -59,7 +59,7 @@ class SharedNarrowPhase final : public NarrowPhase {
   }
 
  private:
-  /// The ranks have all bodies that may touch theirs.
+  /// True while ranks still have all bodies that may touch theirs.
   bool is_near(const World& world) {
     if (world.size() != start_.size()) return false;
     const double square = block_max<double>(world.size(), 0.0, [&](std::size_t s) {

@@ -1,5 +1,5 @@
-/// @file shared_detection.h  The stages of detection at rank 0, where all ranks find the contacts (detection_part.h):
-/// to the rest of the simulation they are those of one process.
+/// @file shared_detection.h  Detection stages of rank 0 that use all ranks (detection_part.h); for the rest of the
+/// simulation they are those of one process.
 #pragma once
 #include <memory>
 

@@ -47,7 +47,7 @@ class ImageLoader final : public StateVisitor {
   StateImage& image_;
 };
 
-/// Columns whose rows travel together.
+/// Columns whose rows are sent together.
 struct RowGroup {
   std::vector<ImageColumn*> columns;
   bool slots_inside = false;  ///< in the first bytes of a row of the first column; else they are columns of their own
@@ -168,7 +168,7 @@ class Parcel {
   RowBytes arrived_;
 };
 
-/// What is sorted from rank to rank is sorted in all then.
+/// Merges sorted runs, one per rank, into a sorted whole.
 template <class Less>
 void merge_runs(std::vector<std::uint32_t>& order, const Less& less) {
   std::vector<std::size_t> begin{0};
@@ -187,7 +187,7 @@ void merge_runs(std::vector<std::uint32_t>& order, const Less& less) {
   }
 }
 
-/// In the order of all bodies.
+/// Received bodies are sorted by their place among all bodies.
 void exchange_bodies(const RowGroup& group, const Routes& routes, Arrival& arrival) {
   Parcel<BodyHead> parcel(group);
   for (std::size_t s = 0; s < routes.place.size(); ++s)
@@ -243,7 +243,7 @@ void exchange_contacts(const RowGroup& group, const Routes& routes, Arrival& arr
   };
   std::vector<std::uint32_t> order(heads.size());
   std::iota(order.begin(), order.end(), 0u);
-  // those of one pair come from one rank, in the order of their features
+  // contacts of one pair come from one rank, in the order of their features
   std::ranges::stable_sort(order, {}, [&](std::uint32_t k) { return std::pair(heads[k].a, heads[k].b); });
   parcel.unpack(order);
   for (std::size_t k = 0; k < order.size(); ++k) {
@@ -252,7 +252,7 @@ void exchange_contacts(const RowGroup& group, const Routes& routes, Arrival& arr
   }
 }
 
-/// The slots of all ids, from the ids of all slots.
+/// Fills the slot of each id from the id of each slot.
 void find_slots(StateImage& image) {
   const auto ids = std::ranges::find(image, std::string("world/id"), &ImageColumn::name);
   for (ImageColumn& c : image) {

@@ -1,6 +1,6 @@
-/// @file state_image.h  A state as plain columns, each knowing whose its rows are (RowsOf), and how rows go from
-/// rank to rank: bodies by their place in the order of all bodies, what contacts remember with them. One way for all:
-/// from the whole to its parts, from part to part, from the parts to the whole.
+/// @file state_image.h  A state as plain columns with the owner of their rows (RowsOf), and the transfer of rows
+/// between ranks: bodies by their place in the order of all bodies, with the memory of their contacts. The same code
+/// serves distribution, migration and gathering.
 #pragma once
 #include <functional>
 #include <string>
@@ -25,7 +25,7 @@ StateImage image_of(const StateWalk& walk);
 /// Into the state that the walk shows; it has the same columns.
 void restore(StateImage& image, const StateWalk& walk);
 
-/// Where the rows of a state go.
+/// Destinations of the rows of a state.
 struct Routes {
   static constexpr int all_ranks = -1;
   std::vector<std::uint32_t> place;  ///< by slot: of the body in the order of all bodies
@@ -38,14 +38,14 @@ struct Routes {
   bool to_one = false;               ///< a contact goes to the owner of its first free body, where both bodies go
 };
 
-/// What has come.
+/// Received bodies.
 struct Arrival {
   std::vector<std::uint32_t> place;  ///< by slot, ascending
   std::vector<int> owner;            ///< as Routes::owner
   double bytes = 0.0;                ///< sent by this rank
 };
 
-/// The rows of the image are those that have come then; what is nobody's stays as it is. By all ranks.
+/// Replaces the rows of the image by those received; common columns do not change. Called by all ranks.
 Arrival exchange_rows(StateImage& image, const Routes& routes);
 
 }  // namespace epafi

@@ -72,14 +72,14 @@ class Leader final : public RemoteSteps {
   std::optional<ContactView> seen_;  ///< contacts of the last step that have come with its bodies
 };
 
-/// What number 0 has announced, behind its order.
+/// Text that rank 0 announces, sent after its order.
 std::string announced(const Order& order) {
   std::string text(order.size, ' ');
   broadcast(text.data(), text.size());
   return text;
 }
 
-/// The next one; the time until it comes is booked.
+/// Waits for the next order, and books the time until it arrives.
 Order await(PartFigures& figures) {
   RankTimer timer(figures);
   Order order;
@@ -88,7 +88,7 @@ Order await(PartFigures& figures) {
   return order;
 }
 
-/// Orders that parts of every kind obey; what ends their work, or nothing.
+/// Obeys orders common to all kinds of parts; returns a value where the order ends their work.
 template <class AnyPart>
 std::optional<RankTeam::Followed> obey_any(const Order& order, AnyPart& part) {
   switch (order.task) {
@@ -104,7 +104,7 @@ std::optional<RankTeam::Followed> obey_any(const Order& order, AnyPart& part) {
   }
 }
 
-/// One order after the other, until the last one.
+/// Obeys orders until the last one.
 RankTeam::Followed obey(Part& part) {
   StepReport report;
   while (true) {
@@ -158,7 +158,7 @@ RankTeam::Followed obey(DetectionPart& part, const PartSetup& setup, RankMessage
 
 constexpr int no_run = 1000;  ///< added to the code of a rank that ends before all have begun
 
-/// The largest of what all ranks say, each once: 0 or no_run and a code.
+/// Largest value over all ranks: 0, or no_run plus a code. Each rank calls it once.
 int agree(int mine) {
   double largest = mine;
   max_over_ranks({&largest, 1});

@@ -1,5 +1,5 @@
-/// @file team.h  Rank 0 leads: it has the whole simulation, tells the others what all do next, and when it ends. What
-/// is decided is decided there, so that all ranks decide alike.
+/// @file team.h  Rank 0 leads: it has the whole simulation and orders all tasks and the end. All decisions are made
+/// there, so that ranks cannot differ.
 #pragma once
 #include "engine/ranks/rank_team.h"
 #include "ranks/mpi_messages.h"
@@ -16,8 +16,8 @@ class MpiTeam final : public RankTeam {
   std::optional<RankFigures> figures() override;
   Followed follow(Simulation& part, PartSetup setup) override;
 
-  /// By every rank when its command has ended with this code. Returns false where the others cannot be told, because
-  /// this one has failed in the middle of what all do together: they must be ended by force.
+  /// Called by every rank when its command has ended with this code. Returns false if the others cannot be informed,
+  /// because this rank failed within a common task: they must be aborted.
   bool end(int code);
   /// The code that the run ends with, after `end`.
   int code() const { return code_; }

@@ -37,19 +37,19 @@ namespace {
 constexpr double enough = 0.05;  // s of a rank, so that chance decides little
 constexpr double least = 0.2, most = 5.0;
 
-/// That of a rank that took so long, where n bodies in all took `time`.
+/// Weight of a rank's bodies: time per body over that of all n bodies, which took `time`.
 double weight_of(double worked, double bodies, double time, double n) {
   return bodies > 0.0 ? std::clamp(worked / bodies * n / time, least, most) : 1.0;
 }
 }  // namespace
 
-/// Whose the place is; most are far inside the part of the one before.
+/// Rank that owns a position; likely: guess, right where the position is deep inside that part.
 int Territory::owner(const Vec3& x, double half, int likely) const {
   return partition_.is_deep(x, half, likely) ? likely : partition_.owner(x);
 }
 
-/// Of free bodies: the time that one of its rank took over that of one of all, where enough has been measured. Their
-/// ranks are those of the old cuts.
+/// Weights of free bodies: time per body of its rank (by the old cuts) over the mean one; empty where too little has
+/// been measured.
 std::vector<float> Territory::weights(const std::vector<Vec3>& places, const std::vector<double>& worked) const {
   const double time = std::accumulate(worked.begin(), worked.end(), 0.0);
   if (places.empty() || !(time > enough * static_cast<double>(worked.size()))) return {};
@@ -67,8 +67,8 @@ std::vector<float> Territory::weights(const std::vector<Vec3>& places, const std
   return out;
 }
 
-/// A wider margin m makes more ghosts in every step, as many per length as now, and moves rarer, once in m/longest
-/// steps: their costs a ghosts/R 2 m + b bodies longest/m are least at the root below.
+/// A wider margin m makes more ghosts in every step, in proportion to m, and moves less frequent, once in m/longest
+/// steps. The cost a ghosts/R 2 m + b bodies longest/m has its minimum at the root below.
 void Territory::suit(double longest, double bodies, double ghosts) {
   constexpr double a = 6e-8;      // s of a ghost in a step, with its message
   constexpr double widest = 8.0;  // of the usual one
@@ -126,7 +126,7 @@ void Territory::cut_by_owners(const World& world, const Owners& owner, double wo
 
 namespace {
 
-/// To the images of a body, and to the body itself [m].
+/// Shifts to the images of a body, and 0 for the body itself [m].
 std::vector<Vec3> shifts_of(const std::optional<PeriodicCell>& cell) {
   std::vector<Vec3> shifts{Vec3::Zero()};
   for (int k = 0; cell && k < 3; ++k)
@@ -137,7 +137,7 @@ std::vector<Vec3> shifts_of(const std::optional<PeriodicCell>& cell) {
 
 }  // namespace
 
-/// A rank has all that its bodies are tied to, so it knows where these are.
+/// Adds the ranks of bodies tied to s. A rank has all bodies that its own are tied to, and so knows their positions.
 void Territory::add_ranks_of_tied(const World& world, const Owners& owner, Slot s, std::vector<int>& ranks) const {
   const auto [first, last] = std::ranges::equal_range(tied_, world.id[s], {}, &std::pair<BodyId, BodyId>::first);
   for (auto at = first; at != last; ++at)

@@ -1,4 +1,4 @@
-/// @file territory.h  Which bodies are whose: parts of space, and how far beyond its own a rank sees.
+/// @file territory.h  Ownership of bodies: parts of space, and the width of the ghost layer.
 #pragma once
 #include <algorithm>
 #include <limits>
@@ -18,9 +18,9 @@ class Territory {
  public:
   explicit Territory(PartSetup setup);
 
-  /// Sizes of the free bodies that are here decide how far ghosts reach; new cuts, so that all ranks have as much to
-  /// do. worked: processor time of this rank since the last cut [s]; bodies of a rank that took longer for each weigh
-  /// more. No result depends on it. Bodies are at rank 0. By all ranks.
+  /// Computes the ghost distance from the sizes of the present free bodies, and cuts with equal work. worked: processor
+  /// time of this rank since the last cut [s], which gives the weight of its bodies. No result depends on it. Bodies
+  /// are at rank 0. Called by all ranks.
   void cut(const World& world, const Owners& owner, double worked);
   /// The same where bodies are with their owners; time: of all ranks [s]; bodies: of all ranks.
   void cut_by_owners(const World& world, const Owners& owner, double worked, double time, double bodies);
@@ -28,7 +28,7 @@ class Territory {
   static bool is_uneven(double longest, double time, double bodies);
   /// Ghosts are enough while no body has moved farther than this since it was placed [m].
   double margin() const { return margin_; }
-  /// Bodies farther apart than this have nothing to do with each other, but for those that are tied [m].
+  /// Bodies farther apart than this do not interact, except tied ones [m].
   double reach() const { return setup_.rings * (2.0 * largest_ + setup_.reach); }
   /// Enough for displacements of this length too; no more than so many times the usual margin.
   void widen(double longest, double most = std::numeric_limits<double>::infinity()) {
@@ -36,8 +36,8 @@ class Territory {
   }
   /// The margin that suits best where so many bodies and ghosts of all ranks move that far at most in a step.
   void suit(double longest, double bodies, double ghosts);
-  /// By the present cuts: who owns the bodies that are here, and who else may touch them. Held ones go to `held`.
-  /// place: by slot, as Routes::place.
+  /// Finds by the present cuts the owners of the bodies here, and the ranks that need ghosts of them. Held ones go to
+  /// `held`. place: by slot, as Routes::place.
   Routes routes(const World& world, const Owners& owner, const std::vector<std::uint32_t>& place,
                 const std::vector<int>& held) const;
   /// Only ways along these axes (1, others 0) lead from one part to another.
@@ -60,9 +60,9 @@ class Territory {
 };
 
 std::vector<int> all_ranks();
-/// Of all bodies, which rank 0 has until they are shared out.
+/// Owners before the first distribution: rank 0 has all bodies.
 Owners owners_of_whole(const World& world);
-/// Of those that have come.
+/// Owners of the bodies that have arrived.
 Owners owners_of(const Arrival& arrival);
 /// Every body and contact goes to rank 0, from the owner, held ones from rank 0 itself; world.owner is filled.
 Routes routes_home(const World& world, const std::vector<std::uint32_t>& place);

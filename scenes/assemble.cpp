@@ -54,7 +54,7 @@ void add_loads(Assembly& a) {
 }
 
 void add_outlets(Assembly& a) {
-  // the steps of impulses are a hundred times as long as those of forces, and cost more
+  // non-smooth steps are about 100 times as long as smooth ones, and cost more
   const int steps = a.scene.contact.method.value == Method::smooth ? 50 : 1;
   for (const auto& o : a.scene.outlets)
     a.simulation->events.push_back(std::make_unique<Outlet>(o.name, o.region.min, o.region.max, steps));
@@ -204,7 +204,7 @@ std::vector<BuiltShape> build_used(const Scene& scene, ShapeBuilder& builder) {
   return shapes;
 }
 
-/// Springs of friction stay with the contacts from stage to stage only in one loop over spheres.
+/// True where all stages run the loop over spheres: friction springs are kept from stage to stage only within one loop.
 bool fuses_in_all_stages(const Scene& scene) {
   for (std::size_t k = 0; scene.stage_of && k < scene.stages.size(); ++k) {
     if (k == scene.stage) continue;
@@ -218,7 +218,7 @@ bool fuses_in_all_stages(const Scene& scene) {
   return true;
 }
 
-/// Of the whole duration, one at least.
+/// Number of steps of the whole duration, at least 1.
 std::uint64_t count_steps(const RunSettings& run, double time_step) {
   constexpr double most = 1e15;  // counted exactly, times too
   const double steps = std::ceil(run.duration.value / time_step * (1 - 1e-9));
@@ -228,7 +228,7 @@ std::uint64_t count_steps(const RunSettings& run, double time_step) {
                      run.duration.place);
   return static_cast<std::uint64_t>(std::max(1.0, steps));
 }
-/// A run, and a stage, is whole steps.
+/// Warns of a step longer than the duration: a run makes whole steps.
 void warn_of_long_step(Assembly& a) {
   const double duration = a.scene.run.duration.value, step = a.time_step.value;
   const auto& written = a.scene.run.time_step;
@@ -249,7 +249,7 @@ double Assembly::elapsed(const Since& since) const {
 
 namespace {
 
-/// Those of earlier stages first: a body keeps its number whatever comes later.
+/// Places all bodies, those of earlier stages first: numbers of bodies do not depend on later stages.
 void place_all(Assembly& a, ShapeBuilder& builder, const AssembleOptions& options) {
   a.fill_ids.resize(a.scene.fills.size());
   if (options.keep_fill_bodies || a.scene.stages.size() > 1) a.fill_bodies.resize(a.scene.fills.size());

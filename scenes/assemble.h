@@ -36,37 +36,37 @@ struct Assembly {
   std::vector<BodyId> body_ids;  ///< of Scene::bodies; empty: the world has them first, in their order
   KnownFills fill_bodies;        ///< of Scene::fills, if needed
 
-  /// A driven body, and when what drives it was written.
+  /// A driven body, and the stage that set its motion.
   struct Drive {
     BodyId body;
     Since since;
   };
   std::vector<Drive> drives;
 
-  /// Of Scene::bodies[k] where no stage has brought bodies: the world has them first.
+  /// Id of Scene::bodies[k] where no stage has added bodies: these come first in the world.
   static BodyId body_id(std::size_t k) { return static_cast<BodyId>(k); }
-  /// Of Scene::bodies[k].
+  /// Id of Scene::bodies[k].
   BodyId id_of(std::size_t k) const { return body_ids.empty() ? static_cast<BodyId>(k) : body_ids[k]; }
-  /// What had passed of something's own time when the present stage began [s].
+  /// Time since `since` at the begin of the present stage [s].
   double elapsed(const Since& since) const;
   BodyIds ids(const NamedBodies& named) const;
   /// A measure of the scene, made once more.
   std::unique_ptr<Measure> measure(const MeasureSpec& spec) const;
 };
 
-/// How a simulation is made that continues another one, or whose bodies are read afterwards.
+/// Options for a simulation that continues another one, or whose bodies are read afterwards.
 struct AssembleOptions {
   std::vector<double> clocks{};            ///< Assembly::clocks
   std::optional<TimeStep> time_step{};     ///< taken as it is
-  std::function<void(Assembly&)> place{};  ///< puts the bodies where they are, before anything is chosen by them
-  bool may_fuse = true;                    ///< free spheres may take their own loop
+  std::function<void(Assembly&)> place{};  ///< sets the positions of bodies before any choice depends on them
+  bool may_fuse = true;                    ///< spheres may use the fused loop
   KnownFills fill_bodies{};                ///< by fill, where they are known; others are placed
   bool keep_fill_bodies = false;
   bool places_known = true;  ///< false: bodies will have moved by then, so fills do not test for room
 };
 
-/// Builds shapes, plan, world and stages. Throws SceneError for what only shows now (geometry, missing constants, time
-/// step above its limit, overlapping parts of laws). Observers are not part of it: see observe.h.
+/// Builds shapes, plan, world and stages. Throws SceneError for problems that appear only now (geometry, missing
+/// constants, time step above its limit, overlapping parts of laws). Observers are not part of it: see observe.h.
 std::unique_ptr<Assembly> assemble(Scene scene, const AssembleOptions& options = {});
 
 /// Body's name for messages: "stack[3]" or "body 17".

@@ -15,7 +15,7 @@ namespace epafi {
 
 namespace {
 
-/// Columns of a walk, by name.
+/// Columns of a state, by name.
 class ColumnStore {
  public:
   struct Column {
@@ -23,7 +23,7 @@ class ColumnStore {
     std::vector<std::byte> bytes;
   };
 
-  /// Fills the store with what a walk shows.
+  /// Stores all columns that are visited.
   struct Saver final : StateVisitor {
     explicit Saver(ColumnStore& to) : to(to) {}
     ColumnStore& to;
@@ -32,7 +32,7 @@ class ColumnStore {
       to.columns_[std::string(name)] = {element, {data, data + bytes}};
     }
   };
-  /// Gives a walk what is there under the same name and of the same kind; leaves the rest as it is.
+  /// Fills visited columns with stored ones of the same name and type; leaves the others as they are.
   struct Giver final : StateVisitor {
     explicit Giver(const ColumnStore& from) : from(from) {}
     const ColumnStore& from;
@@ -59,7 +59,7 @@ class ColumnStore {
     return found == columns_.end() || found->second.element == 0 ? 0
                                                                  : found->second.bytes.size() / found->second.element;
   }
-  /// f(values) on a column of T, which may be made longer or shorter.
+  /// Calls f(values) on a column of T; f may change its length.
   template <class T, class F>
   void change(const std::string& name, const F& f) {
     const auto found = columns_.find(name);
@@ -105,7 +105,7 @@ bool same_materials(const Scene& a, const Scene& b) {
   return true;
 }
 
-/// What a contact remembers means the same.
+/// True where the history of contacts has the same meaning by both laws.
 bool same_laws(const ContactSettings& a, const ContactSettings& b) {
   if (a.method.value != b.method.value) return false;
   if (a.method.value == Method::nonsmooth) return true;  // impulses
@@ -119,7 +119,7 @@ bool same_contact(const ContactSettings& a, const ContactSettings& b) {
                 : a.solver.value == b.solver.value && same(a.nonsmooth, b.nonsmooth);
 }
 
-/// New ones attach in the first evaluation of forces.
+/// New springs attach in the first evaluation of forces.
 bool same_springs(const Scene& a, const Scene& b) {
   return std::ranges::equal(a.springs, b.springs, {}, &SpringSpec::name, &SpringSpec::name);
 }
@@ -139,7 +139,7 @@ bool same_mechanics(const Scene& a, const Scene& b) {
 
 namespace {
 
-/// Takes out what is gone there, and puts in what has been poured since.
+/// Removes bodies that are gone in the other state, and adds those poured since.
 void match_bodies(const World& there, Assembly& to) {
   World& here = to.simulation->world;
   std::vector<BodyId> gone;
@@ -155,7 +155,7 @@ void match_bodies(const World& there, Assembly& to) {
     }
 }
 
-/// Those of there in their order, then the new ones.
+/// Sorts slots: bodies of the other state in their order, then new ones.
 void match_slots(const World& there, World& here) {
   std::vector<Slot> order;
   for (Slot s = 0; s < there.size(); ++s)
@@ -217,14 +217,14 @@ void carry_bodies(const CarryOver& carry, Assembly& to) {
 
 namespace {
 
-/// Written by the present stage, or by the scene that starts from a run.
+/// True where the present stage, or the scene that starts from a run, defines the motion.
 bool is_fresh(const DriveBody& drive, const Assembly& to) {
   const auto& known = to.drives;
   const auto found = std::ranges::find(known, drive.body(), &Assembly::Drive::body);
   return found == known.end() || (found->since.passed == 0.0 && found->since.stage == to.scene.stage);
 }
 
-/// The stage's motions begin where their bodies are.
+/// Lets motions of the stage begin at the present positions of their bodies.
 void begin_motions(Assembly& to, const CarryOver& carry) {
   const World& here = to.simulation->world;
   for (auto& event : to.simulation->events) {
@@ -240,7 +240,7 @@ void begin_motions(Assembly& to, const CarryOver& carry) {
   }
 }
 
-/// Springs go on by name and number among those of that name; new ones attach in the first step.
+/// Springs keep their state by name and number among those of that name; new ones attach in the first step.
 void carry_springs(const Assembly& from, const Assembly& to, ColumnStore& store) {
   const auto key = [](const Assembly& a, std::size_t k) {
     const SpringSpec& s = a.scene.springs[k];
@@ -278,7 +278,7 @@ bool equal(const ConvexHull& a, const ConvexHull& b) {
          a.sweep == b.sweep;
 }
 
-/// Of two bodies in their scenes, whatever number the shape has there.
+/// True where two bodies have the same polyhedron, whatever its number in their scenes.
 bool same_polyhedron(const Assembly& from, Slot there, const Assembly& to, Slot here) {
   const ShapeRef old{from.simulation->world.shape[there]}, now{to.simulation->world.shape[here]};
   if (old.type() != now.type()) return false;
@@ -315,7 +315,7 @@ void rename_resting(const Assembly& from, const Assembly& to, const Reordering& 
   });
 }
 
-/// What the contacts remember, with slots and shapes renamed.
+/// The history of contacts, with slots and shapes renumbered.
 ColumnStore memory_of(const Assembly& to, Assembly& from) {
   ColumnStore store;
   ColumnStore::Saver saver(store);
@@ -334,7 +334,7 @@ ColumnStore memory_of(const Assembly& to, Assembly& from) {
   return store;
 }
 
-/// Springs that have lost a body.
+/// Notes springs that have lost a body.
 void note_lost_springs(const Assembly& from, const Assembly& to, std::vector<std::string>& notes) {
   const auto holds = [&](const World& world, const SpringSpec& s) {
     const auto is_there = [&](std::size_t body) { return world.slot_of(from.id_of(body)) != no_slot; };
@@ -349,7 +349,7 @@ void note_lost_springs(const Assembly& from, const Assembly& to, std::vector<std
 
 bool starts_with(const std::string& text, const char* begin) { return text.rfind(begin, 0) == 0; }
 
-/// Drops what does not mean the same in the other scene, and says so.
+/// Drops columns without a meaning in the other scene, and notes it.
 void drop_foreign(const Assembly& from, const Assembly& to, ColumnStore& store, std::vector<std::string>& notes) {
   const ContactSettings &a = from.scene.contact, &b = to.scene.contact;
   const std::size_t springs =
@@ -380,13 +380,13 @@ void carry_forces(const World& there, World& here) {
   }
 }
 
-/// Bodies that the new stage takes out.
+/// Number of bodies that the new stage removes.
 std::uint64_t taken_out(const World& there, const World& here) {
   return static_cast<std::uint64_t>(
       std::ranges::count_if(there.id, [&](BodyId id) { return here.slot_of(id) == no_slot; }));
 }
 
-/// Ledger, counts and warnings of the same run.
+/// Continues ledger, counts and warnings of the same run.
 void go_on(const Simulation& old, Simulation& sim) {
   sim.ledger = old.ledger;
   sim.work.report = old.work.report;

@@ -7,8 +7,8 @@
 
 namespace epafi {
 
-/// Frames of a run whose end is one of them. Steps are counted up to or beyond the duration, so that the step nearest
-/// to that last multiple of the interval may be the one before the end: the frame at the end is it, not a second one.
+/// Frames of a run whose end is one of them. The last step may be beyond the duration, so that the step nearest to the
+/// last multiple of the interval is the one before; the final frame then replaces it.
 class FramesToTheEnd final : public Observer {
  public:
   FramesToTheEnd(std::unique_ptr<StateRecorder> frames, std::uint64_t last) : frames_(std::move(frames)), last_(last) {}
@@ -23,7 +23,7 @@ class FramesToTheEnd final : public Observer {
   std::uint64_t last_;
 };
 
-/// The duration is a multiple of the interval that no step meets.
+/// True if the duration is a multiple of the interval that no step meets.
 inline bool ends_between_steps(double duration, double interval, double dt) {
   const double intervals = duration / interval, steps = duration / dt;
   return std::abs(intervals - std::round(intervals)) < 1e-9 * intervals && std::abs(steps - std::round(steps)) > 1e-6;

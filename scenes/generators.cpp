@@ -12,7 +12,7 @@ namespace epafi {
 
 namespace {
 
-/// Mean and deviation of the logarithm.
+/// Mean and standard deviation of the logarithm of the size.
 std::pair<double, double> of_logarithm(const FillSpec::Size& s) {
   const double ratio = s.deviation / s.mean, variance = std::log1p(ratio * ratio);
   return {std::log(s.mean) - 0.5 * variance, std::sqrt(variance)};
@@ -44,7 +44,7 @@ double draw_size(const FillSpec::Size& s, Random& random) {
   return std::clamp(f, s.min, s.max);  // bounds so narrow hold nothing but themselves
 }
 
-/// What body number k is, whatever else was placed.
+/// Draws the next body, independent of the other bodies placed.
 FillBody draw(const FillSpec& fill, const std::vector<FillShape>& shapes, Random& random) {
   FillBody body;
   double total = 0;
@@ -63,7 +63,7 @@ FillBody draw(const FillSpec& fill, const std::vector<FillShape>& shapes, Random
   return body;
 }
 
-/// Compares what is placed with what is required.
+/// Compares the bodies placed with the required amount.
 class Quota {
  public:
   explicit Quota(const FillSpec& fill) : fill_(fill) {}
@@ -113,7 +113,7 @@ struct Lattice {
       cell[k] = k < 2 ? extent[k] / static_cast<double>(std::max<std::uint64_t>(1, cells[i])) : pitch;
     }
   }
-  /// Somewhere in cell number n.
+  /// Random position in cell n.
   Vec3 place(const FillSpec& fill, std::uint64_t n, double radius, Random& random) const {
     const std::uint64_t column = n % cells[0], row = n / cells[0] % cells[1], layer = n / (cells[0] * cells[1]);
     const Vec3 index(static_cast<double>(column), static_cast<double>(row), static_cast<double>(layer));
@@ -150,7 +150,7 @@ FillResult lattice(const FillSpec& fill, const std::vector<FillShape>& shapes, O
   return result;
 }
 
-/// Bodies without places: those that a source pours.
+/// Bodies without positions, for a source that pours them.
 FillResult stream(const FillSpec& fill, const std::vector<FillShape>& shapes) {
   FillResult result;
   Quota quota(fill);
@@ -179,8 +179,8 @@ FillResult random_insertion(const FillSpec& fill, const std::vector<FillShape>& 
     while (!placed && low + 2 * radius <= fill.region.max.z()) {
       const double high = std::min(fill.region.max.z(), low + 4 * largest);
       for (int t = 0; t < trials && !placed; ++t) {
-        // one by one: in which order arguments are computed is the compiler's choice (GCC from the last, Clang from the
-        // first)
+        // drawn one by one, since compilers differ in the order of evaluating arguments (GCC from the last, Clang from
+        // the first)
         const double uz = random.uniform(), uy = random.uniform(), ux = random.uniform();
         const Vec3 u(ux, uy, uz);
         const Vec3 from(fill.region.min.x() + radius, fill.region.min.y() + radius, low + radius);
@@ -200,7 +200,7 @@ FillResult random_insertion(const FillSpec& fill, const std::vector<FillShape>& 
   return result;
 }
 
-/// Own velocities, of no momentum in all: the group keeps the fill's velocity.
+/// Draws velocities of zero total momentum: the mean velocity stays that of the fill.
 void draw_velocities(const FillSpec& fill, const std::vector<FillShape>& shapes, std::vector<FillBody>& bodies) {
   constexpr std::uint64_t velocities = 1ull << 62;  // streams of their own: places do not depend on them
   Vec3 momentum = Vec3::Zero();

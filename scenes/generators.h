@@ -10,7 +10,7 @@
 
 namespace epafi {
 
-/// What a fill needs to know of a shape it may place.
+/// Data of a shape for a fill.
 struct FillShape {
   double radius = 0.0;  ///< of the bounding sphere at size factor 1 [m]
   double mass = 0.0;    ///< at size factor 1 [kg]
@@ -36,25 +36,24 @@ struct SizeBounds {
 /// Three deviations on both sides of the mean, of the logarithm for lognormal sizes.
 SizeBounds natural_bounds(const FillSpec::Size& size);
 
-/// What stands in the way of a fill.
+/// Obstacles of a fill.
 struct Obstacles {
   Occupancy occupied{};  ///< free bodies that are there: those of the fill are added where `keep` is set
-  bool keep = false;     ///< others ask after this fill, or it may meet its own images
+  bool keep = false;     ///< another fill follows, or bodies may meet their own images
   std::function<bool(const FillBody&)> meets_held{};  ///< it would overlap a fixed or driven body; empty: none is near
   bool is_free(const FillBody& body, double radius) const {
     return (occupied.empty() || occupied.is_free(body.position, radius)) && !(meets_held && meets_held(body));
   }
 };
 
-/// Bounding spheres of the placed bodies neither overlap each other nor leave the region, nor meet those that are
-/// there; the bodies themselves meet no fixed or driven one. lattice: cubic cells of 1.02 of the largest diameter,
-/// filled from below, each body anywhere inside its cell; a cell where something stands in the way of three tries stays
-/// empty. pour: what comes, without places. random: sequential insertion, from below in slices; stops after 200
-/// rejected trials in a row per body.
+/// Bounding spheres of the placed bodies overlap neither each other nor present free bodies, and stay in the region;
+/// the bodies overlap no fixed or driven one. lattice: cubic cells of 1.02 of the largest diameter, filled from below,
+/// each body at a random position in its cell; after three failed trials a cell stays empty. pour: bodies without
+/// positions. random: sequential insertion, from below in slices; stops after 200 rejected trials in a row per body.
 FillResult generate(const FillSpec& fill, const std::vector<FillShape>& shapes, Obstacles& obstacles);
 FillResult generate(const FillSpec& fill, const std::vector<FillShape>& shapes);
 
-/// How many bodies a fill may come to: by what it asks for, or by what its region can hold.
+/// Largest number of bodies of a fill: as requested, or as the region can hold.
 double most_bodies_of(const FillSpec& fill, const std::vector<FillShape>& shapes);
 
 }  // namespace epafi

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double probe_rounding = 1e-9;  // of the body's radius: what is placed to touch may overlap by some ulp
 
-/// f(shift, code) for the body itself and its nearest images.
+/// Calls f(shift, code) for the body itself and its nearest images.
 template <class F>
 void each_cell_image(const std::optional<PeriodicCell>& cell, const F& f) {
   const auto span = [&](std::size_t k) { return cell && cell->repeats[k] ? 1 : 0; };

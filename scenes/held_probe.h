@@ -1,5 +1,5 @@
 /// @file held_probe.h  Whether a body that is to be placed would overlap a fixed or driven one.
-/// The answer is that of the narrow phase, for every pair of shapes; images in a periodic cell count.
+/// Uses the narrow phase, for every pair of shapes; images in a periodic cell count.
 #pragma once
 #include <vector>
 
@@ -14,7 +14,7 @@ class HeldProbe {
   /// Copies the fixed and driven bodies of the world, as they stand now, that reach into the box [m].
   void look(const World& world, const Vec3& low, const Vec3& high);
   bool sees_nothing() const { return boxes_.empty(); }
-  /// The body would overlap one of those by more than rounding.
+  /// True if the body would overlap one of those by more than rounding.
   bool meets(const Body& body);
 
  private:

@@ -1,4 +1,4 @@
-/// @file last_state.h  The bodies of a run where it stopped, when that is after its last snapshot.
+/// @file last_state.h  The bodies at the end of a run that stopped after its last snapshot.
 #pragma once
 #include <filesystem>
 #include <memory>

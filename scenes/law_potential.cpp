@@ -18,7 +18,7 @@ bool has_flat_sides(std::uint32_t type) {
          type == ShapeStore::type_of<SolidParts>() || type == ShapeStore::type_of<Cylinder>();
 }
 
-/// By material: bodies with flat sides that move, now or when all are poured.
+/// Number of movable bodies with flat sides by material, including those to be poured.
 std::vector<std::size_t> count_flat_sided(const Assembly& a) {
   std::vector<std::size_t> count(a.scene.materials.size(), 0);
   const World& world = a.simulation->world;
@@ -30,7 +30,7 @@ std::vector<std::size_t> count_flat_sided(const Assembly& a) {
   return count;
 }
 
-/// Where the restitution of a pair of materials stands; i <= j.
+/// Place in the scene of the restitution of two materials; i <= j.
 Place place_of_restitution(const Scene& scene, std::size_t i, std::size_t j) {
   for (const PairSpec& p : scene.contact.pairs)
     if (p.restitution && p.a == i && p.b == j) return p.place;

@@ -17,7 +17,7 @@ struct Bracket {
   double most() const { return std::max(std::abs(at_low), std::abs(at_high)); }
 };
 
-/// Closes in on a change of sign: towards 0 where f is continuous, towards infinity at a pole.
+/// Bisects a change of sign: f tends to 0 where it is continuous, to infinity at a pole.
 std::optional<double> pole_between(const std::function<double(double)>& f, Bracket b) {
   const double before = b.most();
   for (int k = 0; k < 60; ++k) {
@@ -36,7 +36,7 @@ std::optional<double> pole_between(const std::function<double(double)>& f, Brack
   return std::nullopt;
 }
 
-/// Of a peak of |f| between two times: golden section.
+/// Searches a pole at a peak of |f| between two times, by golden section.
 std::optional<double> pole_at_peak(const std::function<double(double)>& f, double low, double high, double before) {
   constexpr double golden = 0.6180339887498949;
   double left = high - golden * (high - low), right = low + golden * (high - low);

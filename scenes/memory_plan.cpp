@@ -14,14 +14,14 @@
 namespace epafi {
 namespace {
 
-/// Of the clump that has most.
+/// Number of balls of the largest clump.
 std::size_t balls_of_clumps(const Scene& scene) {
   std::size_t most = 0;
   for (const ShapeSpec& shape : scene.shapes) most = std::max(most, balls_of_clump(shape));
   return most;
 }
 
-/// Of a body, in FatBodies and beside it.
+/// Bytes per body in FatBodies and the pair list.
 std::size_t list_bytes(const Scene& scene, const StepPlan& plan) {
   constexpr std::size_t inverse_half_margin = sizeof(float) + sizeof(char),
                         names = sizeof(std::uint32_t) + 3 * sizeof(std::uint8_t);
@@ -33,23 +33,23 @@ std::size_t list_bytes(const Scene& scene, const StepPlan& plan) {
   return inverse_half_margin + names + sizeof(Ball) + sorted + 2 * sizeof(Slot);
 }
 
-/// State, where it is in its body by list and loop, and in the world, and what it feels.
+/// State; position in its body by list and by loop, and in the world; loads.
 constexpr std::size_t bytes_of_ball = sizeof(BodyState) + 3 * sizeof(BodyBall) + 3 * sizeof(Vec3) + sizeof(Ball);
 
-/// In the loop over spheres.
+/// Bytes per body, pair and contact in the loop over spheres.
 void plan_spheres(const Scene& scene, MemoryPlan& out) {
   const SphereNeeds needs = sphere_needs(smooth_setup(scene));
   if (needs.damps_slip()) out.body += sizeof(Lanes);  // late spins
   out.body += balls_of_clumps(scene) * bytes_of_ball;
   out.pair = sizeof(SpherePlaces) + sizeof(Slot) + (scene.cell ? sizeof(SphereImage) + sizeof(std::uint32_t) : 0);
-  // of a bed's contacts a sixth lie across blocks and leave a record there
+  // in a packed bed 1/6 of the contacts join two blocks and need a record
   const std::size_t record = sizeof(SphereRecord) + sizeof(SpherePlace) + (needs.rolling ? sizeof(Lanes) : 0);
   out.contact = (needs.remembers() ? sizeof(SphereSpring) : 0) + (needs.normal ? sizeof(double) : 0) +
                 (needs.bristles ? sizeof(PackedBristles) : 0) + (needs.rolling ? sizeof(SphereSpring) : 0) +
                 (needs.damps_slip() ? sizeof(SphereLoads) : 0) + record / 6;
 }
 
-/// Beside the set: what the contact model makes and keeps of a contact.
+/// Bytes per contact in the contact model, besides the set of contacts.
 std::size_t model_bytes(const StepPlan& plan, bool smooth) {
   const std::size_t key = 2 * sizeof(Slot) + sizeof(Feature), found = sizeof(std::uint32_t);
   const std::size_t incidence = sizeof(std::uint32_t);
@@ -59,7 +59,7 @@ std::size_t model_bytes(const StepPlan& plan, bool smooth) {
                               3 * sizeof(double) + sizeof(Mat3) + incidence;
   const std::size_t remembered = key + 3 * sizeof(Vec3) + sizeof(double) + found + 1;
   constexpr std::size_t impulses = 4 * sizeof(Vec3);  // r, u, and those of the position correction
-  // of a row of four lanes: axes, offsets, impulses, the rule's data of three rows, friction, arms
+  // one lane of a row of four: axes, offsets, impulses, data of the update for three rows, friction, arms
   const std::size_t row = 3 * (3 + 1 + 1 + 1) * sizeof(double) + sizeof(double) + (rotates ? 6 * sizeof(double) : 0);
   return problem + remembered + impulses + row;
 }
@@ -85,7 +85,7 @@ MemoryPlan plan_memory(const Scene& scene, const StepPlan& plan) {
     return out;
   }
   const bool smooth = scene.contact.method.value == Method::smooth;
-  // found by blocks, then put in one set
+  // found by blocks, then copied into one set
   out.contact = 2 * out.in_set - sizeof(Vec3) + model_bytes(plan, smooth);
   out.pair = 2 * sizeof(Pair);
   const bool remembers = std::ranges::any_of(plan.pair_cells, [](const ReachableCell& c) { return c.method == "sat"; });
@@ -93,11 +93,11 @@ MemoryPlan plan_memory(const Scene& scene, const StepPlan& plan) {
   const bool hulls = std::ranges::any_of(
       plan.pair_cells, [](const ReachableCell& c) { return c.convex_parts && (c.a == "solid" || c.b == "solid"); });
   const bool rests = (remembers || parts) && plan.resting_reach < plan.reach;
-  // while a list is made, the last one's columns stand beside; of listed pairs 50 to 76 % touch or have touched
+  // during a list update the columns of the old list still exist; 50 to 76 % of listed pairs touch or have touched
   if (remembers || parts)
     out.pair += 2 * (sizeof(Pair) + 2 * sizeof(std::uint32_t) + sizeof(PairCache) + (rests ? sizeof(void*) : 0));
   if (remembers) out.pair += 2 * (sizeof(PairMemory) + (rests ? sizeof(RestingPatch) : 0)) / 3;
-  // stones of 8 to 15 parts keep 15 pairs of them, half of these have touched or lost their axis
+  // stones of 8 to 15 parts keep 15 pairs of parts; half of these have touched or lost their axis
   if (parts) out.pair += 2 * sizeof(PartMemory) + 15 * PartMemory::bytes_per_pair;
   if (hulls) out.pair += 15 * sizeof(PairMemory) / 2;
   return out;

@@ -82,7 +82,7 @@ void RunMonitor::observe(const StepView& view) {
   check(view, looks);
 }
 
-/// A solver that stopped above its tolerance, and contacts that no solver can help.
+/// Warns of a solver that stopped above its tolerance, and of contacts that no solver can satisfy.
 void RunMonitor::watch_solver(const StepView& view) {
   const StepReport& report = view.report;
   if (report.solver.converged) return;
@@ -102,7 +102,7 @@ void RunMonitor::watch_solver(const StepView& view) {
                  .body = view.world.id[report.trouble.slot]});
 }
 
-/// Contacts that a model solved outside its range: a warning for each reason, whatever numbers it holds.
+/// Warns of contacts that a model solved outside its range, once per reason, whatever numbers its text holds.
 void RunMonitor::watch_models(const StepView& view) {
   for (const ModelDoubt& doubt : view.report.doubts) {
     std::string kind = "model: " + doubt.reason;
@@ -116,7 +116,7 @@ void RunMonitor::watch_models(const StepView& view) {
   }
 }
 
-/// The largest overlap so far. A contact matters to the relative one only where it would exceed it on the smallest
+/// Updates the largest overlap. The relative one is computed only for contacts that would exceed it on the smallest
 /// body.
 void RunMonitor::note_overlap(const StepView& view) {
   const ContactSet& c = view.contacts;
@@ -134,7 +134,7 @@ void RunMonitor::note_overlap(const StepView& view) {
   if (totals_.overlap_relative > std::max(before, deep_overlap)) warn_of_overlap(view, relative);
 }
 
-/// Once more with every record, so that the worst one and its body are named.
+/// Renews the warning at every new maximum, so that it names the worst overlap and its body.
 template <class Relative>
 void RunMonitor::warn_of_overlap(const StepView& view, const Relative& relative) {
   Warning w{.kind = "overlap",
@@ -203,7 +203,7 @@ void RunMonitor::watch_energy(const StepView& view) {
 
 void RunMonitor::look_at_momentum(const StepView& view) {
   const World& w = view.world;
-  // walls take momentum: the balance is that of closed systems only
+  // walls take up momentum: it is conserved in closed systems only
   if (w.columns().external_force || view.movable < w.size()) return;
   const BodyTotals all = view.totals();
   const double magnitude = all.momenta.value();
@@ -264,7 +264,7 @@ void RunMonitor::check(const StepView& view, bool all) {
       check_measure(i, view);
       continue;
     }
-    // energies and momentum are those of the last look
+    // energies and momentum are still those of the last evaluation
     if (!all && (bounds_[i].quantity == "energy_error" || bounds_[i].quantity == "momentum_error")) continue;
     const double value = value_of(i, view);
     checks_[i].value = std::max(checks_[i].value, value);

@@ -1,4 +1,4 @@
-/// @file monitor.h  Watches a run: what summary.json reports and what [bounds] forbids. An observer like any other.
+/// @file monitor.h  Observer for the results in summary.json and for [bounds].
 #pragma once
 #include <functional>
 #include <optional>
@@ -21,11 +21,11 @@ struct Overlap {
   std::size_t pairs = 0;
 };
 Overlap measure_overlap(const World& world, const ContactPieces& contacts, const ShapeStore& shapes);
-/// A warning where the deepest overlap, of the smaller body's bounding radius, is beyond what any law of contact bears;
+/// A warning if the deepest overlap, over the smaller body's bounding radius, is beyond the range of every contact law;
 /// else empty.
 std::string deep_overlap_text(double relative);
 
-/// A bound of the scene with what was seen.
+/// A bound of the scene with its worst value.
 struct BoundCheck {
   std::string name;
   double value = 0.0, bound = 0.0;
@@ -39,9 +39,9 @@ class RunMonitor final : public Observer {
   /// bound_bodies: of [bounds], then of [accuracy].
   struct Setup {
     std::uint64_t steps = 0, interval = 1;
-    double least_radius = 0.0;     ///< of all bodies that are there or come later [m]: spares most radii
+    double least_radius = 0.0;     ///< of all present and later bodies [m]: avoids most radii
     double swing = 0.0;            ///< WatchedBalance::allow_swing
-    std::string way_to_balance{};  ///< what to write where the law alone may open the energy balance; "": it cannot
+    std::string way_to_balance{};  ///< advice if the law itself may cause energy errors; "": it does not
   };
   RunMonitor(const Scene& scene, const std::vector<BodyIds>& bound_bodies, const ShapeStore& shapes, const Setup& setup,
              Warnings& warnings);
@@ -59,9 +59,9 @@ class RunMonitor final : public Observer {
   void visit(StateVisitor& visitor) override;
 
   std::optional<BoundCheck> violated() const;
-  /// A bound that ends the run well, with then = "stop".
+  /// A reached bound with then = "stop", which ends the run without failure.
   std::optional<BoundCheck> reached() const;
-  /// Of bounds on measures: its last value, NaN where there is none.
+  /// Last value of a bound on a measure; NaN if there is none.
   void read_measures(std::function<double(const Condition&)> value) { measured_ = std::move(value); }
   /// Where gravity or stiffness change the stored energy jumps, and the ledger accepts it; the watch counts from there.
   /// So does that of momentum: bodies come and go, and what drives them changes.
@@ -75,7 +75,7 @@ class RunMonitor final : public Observer {
     if (balance_) out.push_back(*balance_);
     return out;
   }
-  /// Of [accuracy]: what came out beside what the scene needs.
+  /// Results of [accuracy] beside the required values.
   std::vector<BoundCheck> accuracy() const;
   double contacts_mean() const { return totals_.steps > 0 ? totals_.contacts / totals_.steps : 0.0; }
   double residual_max() const { return totals_.residual_max; }
@@ -117,7 +117,7 @@ class RunMonitor final : public Observer {
   std::vector<BodyIds> bound_bodies_;
   std::vector<std::vector<Vec3>> bound_start_;
   std::vector<BoundCheck> checks_;
-  std::optional<BoundCheck> balance_;  ///< the energy balance, where it has opened beyond what any run may show
+  std::optional<BoundCheck> balance_;  ///< the energy error, if it is beyond the limit of all runs
   const ShapeStore& shapes_;
   std::uint64_t steps_, interval_;
   std::string way_to_balance_;

@@ -50,7 +50,7 @@ bool Occupancy::is_free(const Vec3& x, double radius) const {
   const Vec3 at = cell_ ? cell_->inside(x) : x;
   for (const auto& [size, level] : levels_)
     if (!is_free_of(level, at, radius)) return false;
-  // images of the asking body itself: only in a cell smaller than its diameter
+  // images of the body itself: only in a cell smaller than its diameter
   for (int k = 0; cell_ && k < 3; ++k)
     if (cell_->repeats[static_cast<std::size_t>(k)] && cell_->size[k] < 2 * radius) return false;
   return true;

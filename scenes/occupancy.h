@@ -1,6 +1,5 @@
-/// @file occupancy.h  Bounding balls of bodies that are placed already, asked by those that are to be placed.
-/// One grid per factor of two in size; in a periodic cell every ball stands with those of its images that reach into
-/// it.
+/// @file occupancy.h  Bounding balls of placed bodies, to find free positions for others. One grid per factor of two in
+/// size; in a periodic cell every ball stands with those of its images that reach into it.
 #pragma once
 #include <map>
 #include <optional>
@@ -15,7 +14,7 @@ namespace epafi {
 class Occupancy {
  public:
   explicit Occupancy(std::optional<PeriodicCell> cell = {}) : cell_(std::move(cell)) {}
-  /// No ball, nor an image of one, meets that at x [m].
+  /// True if no ball, nor an image of one, overlaps the ball at x [m].
   bool is_free(const Vec3& x, double radius) const;
   void add(const Vec3& x, double radius);
   bool empty() const { return levels_.empty(); }

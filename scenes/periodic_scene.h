@@ -1,4 +1,4 @@
-/// @file periodic_scene.h  What a periodic cell asks of a scene, and its events.
+/// @file periodic_scene.h  Requirements of a periodic cell on a scene, and its events.
 #pragma once
 #include "scenes/assemble.h"
 

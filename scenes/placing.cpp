@@ -23,7 +23,7 @@ double density(const Scene& scene, std::size_t material, const Place& place) {
   return m.density;
 }
 
-/// What moves by forces needs a mass and moments whose inverses are numbers too.
+/// A body moved by forces needs a mass and moments of inertia with finite inverses.
 void check_inertia(const Body& body, const std::string& type, const Place& place) {
   if (body.mass > 0.0 && std::isfinite(body.mass) && std::isfinite(1.0 / body.mass) && body.inertia.allFinite() &&
       body.inertia.minCoeff() > 0.0 && body.inertia.cwiseInverse().allFinite())
@@ -54,7 +54,7 @@ Body make_body(const Assembly& a, const BuiltShape& shape, const BodySpec& spec,
   return body;
 }
 
-/// A motion whose velocity changes all the time.
+/// True for a motion of changing velocity.
 bool accelerates(const Motion& m) {
   return m.table != nullptr || (m.oscillation_amplitude != 0.0 && m.oscillation_frequency != 0.0);
 }
@@ -79,9 +79,9 @@ void drive(Assembly& a, BodyId id, const BodySpec& spec, const Vec3& position) {
     events.push_back(std::make_unique<ServoEvent>(id, spec.servo->servo, elapsed, a.simulation->ledger));
     return;
   }
-  const auto wall = std::make_shared<GivingWall>(GivingWall{id, spec.servo->servo});
-  add_giving_wall(*a.simulation->pipeline.contact_model, wall);
-  events.push_back(std::make_unique<GivingWallEvent>(wall, elapsed));
+  const auto wall = std::make_shared<NonsmoothServo>(NonsmoothServo{id, spec.servo->servo});
+  add_nonsmooth_servo(*a.simulation->pipeline.contact_model, wall);
+  events.push_back(std::make_unique<NonsmoothServoEvent>(wall, elapsed));
 }
 
 BodyId add_body(Assembly& a, const BuiltShape& shape, const BodySpec& spec, const Place& place) {
@@ -91,7 +91,7 @@ BodyId add_body(Assembly& a, const BuiltShape& shape, const BodySpec& spec, cons
   return id;
 }
 
-/// Free bodies that stand outside the domain from the start are lost or taken out at once: said before it happens.
+/// Reports free bodies outside the domain at the start: the first step would fail or remove them.
 void look_for_outsiders(Assembly& a, const std::string& table, const std::vector<BodyId>& ids, const Place& where) {
   const World& world = a.simulation->world;
   std::size_t outside = 0;
@@ -117,7 +117,7 @@ void look_for_outsiders(Assembly& a, const GroupSpec& group) {
   look_for_outsiders(a, "[[body]] '" + group.name + "'", ids, group.place);
 }
 
-/// A number without a body.
+/// Reserves a number without a body.
 BodyId leave_out(Assembly& a) { return a.simulation->world.reserve(); }
 
 /// Diameter of the smallest free body [m]; 0 where there is none.
@@ -172,7 +172,7 @@ constexpr double deep = 0.1;        // of a radius: no state that a run exports 
 constexpr double less_deep = 0.25;  // of that, where the other reading is the right one
 constexpr std::size_t enough = 10;  // overlapping pairs: fewer may lie deep by chance
 
-/// A row of a file whose shape does not stand in its principal axes.
+/// True for a row of a file whose shape is not in its principal axes.
 bool may_have_old_axes(const Scene& scene, const BodySpec& b, ShapeBuilder& builder) {
   const GroupSpec& group = scene.groups[b.group];
   const bool is_row = group.repeat == std::vector<std::size_t>{1} && group.count > 1 && group.stage == 0;
@@ -180,7 +180,7 @@ bool may_have_old_axes(const Scene& scene, const BodySpec& b, ShapeBuilder& buil
   return builder.build(b.shape, b.size).frame.orientation.vec().squaredNorm() > 0.0;
 }
 
-/// Of all bodies at the start, with those rows read one way or the other.
+/// Overlap of all bodies at the start. principal: orientations in such rows are those of the principal axes.
 Overlap overlap_of_reading(const Assembly& a, ShapeBuilder& builder, bool principal) {
   World world(a.plan.columns);
   if (a.scene.cell) world.cell = a.scene.cell->cell;
@@ -257,7 +257,7 @@ void add_bodies(Assembly& a, ShapeBuilder& builder, std::size_t stage) {
 
 namespace {
 
-/// What a source pours: each body at its time.
+/// Bodies that a source pours, each at its time.
 struct Stream {
   PourBodies::Setup setup;
   double time = 0.0;
@@ -274,7 +274,7 @@ std::vector<FillShape> shapes_of(const Assembly& a, ShapeBuilder& builder, const
   return shapes;
 }
 
-/// Refuses amounts of a fill before they take memory that is not there.
+/// Refuses a fill that needs more memory than there is.
 void require_memory(const Assembly& a, const FillSpec& fill, const std::vector<FillShape>& shapes) {
   const double bodies = static_cast<double>(a.simulation->world.ids_given()) + most_bodies_of(fill, shapes);
   const double bytes = bodies * static_cast<double>(a.plan.memory.body + sizeof(FillBody));
@@ -300,7 +300,7 @@ BodySpec spec_of(const FillSpec& fill, const FillBody& f, std::size_t k) {
   return spec;
 }
 
-/// The region reaches as far as the cell along a periodic axis, or further: bodies may meet images of each other.
+/// True where the region spans the cell along a periodic axis: bodies may touch images of each other.
 bool meets_images(const Scene& scene, const FillSpec& fill) {
   for (int k = 0; scene.cell && k < 3; ++k)
     if (scene.cell->cell.repeats[static_cast<std::size_t>(k)] &&
@@ -309,7 +309,7 @@ bool meets_images(const Scene& scene, const FillSpec& fill) {
   return false;
 }
 
-/// What is in the world already, for the fills, which ask in the order of the scene.
+/// Space occupied so far, for the fills in the order of the scene.
 struct Placing {
   Occupancy occupied;
   HeldProbe held;
@@ -337,7 +337,7 @@ FillResult place_bodies(Assembly& a, ShapeBuilder& builder, const FillSpec& fill
   return result;
 }
 
-/// Bodies that come in their time.
+/// Adds a source of bodies.
 void add_stream(Assembly& a, ShapeBuilder& builder, const FillSpec& fill, const std::vector<FillBody>& bodies,
                 std::vector<BodyId>& ids) {
   Stream stream{{fill.name, {}, fill.region.min, fill.region.max, fill.seed, {}, {}, {}}, fill.from};
@@ -373,7 +373,7 @@ void add_stream(Assembly& a, ShapeBuilder& builder, const FillSpec& fill, const 
   a.simulation->events.push_back(std::move(source));
 }
 
-/// Bodies of a fill, each with the number that it has had since they were placed.
+/// Adds the bodies of a fill, each with the number given at placing.
 void put_in(Assembly& a, ShapeBuilder& builder, const FillSpec& fill, const std::vector<FillBody>& bodies) {
   const auto index = static_cast<std::size_t>(&fill - a.scene.fills.data());
   auto& ids = a.fill_ids[index];

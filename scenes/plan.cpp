@@ -16,7 +16,7 @@ namespace epafi {
 
 namespace {
 
-/// Which shapes the free and the other bodies have, with one body's place each.
+/// Shapes of free and of other bodies, with the place of one body each.
 struct ShapesInUse {
   std::set<std::size_t> free, held;
   double largest = 0.0;        ///< finite radius [m]
@@ -42,25 +42,25 @@ bool is_isotropic(const Vec3& m) { return m.x() == m.y() && m.y() == m.z(); }
 
 bool is_identity(const Quat& q) { return q.vec().squaredNorm() == 0.0; }
 
-/// Why a body does not stand in its principal axes; null where it does.
+/// Reason why a body is not in its principal axes; null where it is.
 const char* turned_by(const BodySpec& b, const BuiltShape& shape) {
   if (!is_identity(b.orientation)) return " is turned";
   return is_identity(shape.frame.orientation) ? nullptr : " is written in other axes than its principal ones";
 }
 
-/// By its motion.
+/// True where the motion of the body rotates it.
 bool turns(const BodySpec& b) {
   return b.motion && std::ranges::any_of(b.motion->parts, [](const Motion& m) { return m.rotation_rate != 0; });
 }
 
-/// A spring whose ends turn with their bodies, spheres too; null: none does.
+/// The first spring whose ends rotate with their bodies; null: none.
 const SpringSpec* spring_beside_centre(const Scene& scene) {
   for (const SpringSpec& s : scene.springs)
     if (s.to || !s.attachment.isZero()) return &s;
   return nullptr;
 }
 
-/// Everything that makes spins and orientations necessary, most telling reason first.
+/// Collects the reasons for spins and orientations, the most informative first.
 void plan_rotation(const Scene& scene, const std::vector<BuiltShape>& shapes, const ShapesInUse& use, StepPlan& plan) {
   const auto pay = [&](const std::string& why, const Place& where) {
     if (!plan.columns.rotation) plan.costs.push_back({"rotation", why, where});
@@ -112,7 +112,7 @@ void plan_rotation(const Scene& scene, const std::vector<BuiltShape>& shapes, co
   plan.columns.free_turn = true;
 }
 
-/// The law of overlap volumes knows polyhedra, boxes and half-spaces with sharp edges.
+/// The law by overlap volume handles polyhedra, boxes and half-spaces with sharp edges only.
 void refuse_volumeless(const Scene& scene, const ShapesInUse& use) {
   std::vector<Problem> problems;
   for (const auto* list : {&use.free, &use.held}) {
@@ -158,7 +158,7 @@ void plan_pairs(const Scene& scene, const std::vector<BuiltShape>& shapes, const
   }
 }
 
-/// Balls take a loop of their own: free spheres, those of clumps, those that are held.
+/// Decides on the loop over spheres: free spheres, balls of clumps, held spheres.
 void plan_fused_spheres(const Scene& scene, const std::vector<BuiltShape>& shapes, StepPlan& plan) {
   if (scene.contact.method.value != Method::smooth) return;
   std::size_t balls = 0;
@@ -173,7 +173,7 @@ void plan_fused_spheres(const Scene& scene, const std::vector<BuiltShape>& shape
   constexpr std::size_t fewest = 100;  // below, the layout costs more than the loop gains
   plan.without_fused_spheres = without_tiles(smooth_setup(scene));
   plan.fused_held = !plan.columns.held_force;
-  // what a run has begun goes on in a scene that starts from it, with the springs of its contacts
+  // a scene that starts from a run with this loop keeps it, and with it the friction springs
   const auto made = scene.start ? scene.start->made : nullptr;
   const bool begun = made && made->assembly->plan.fused_spheres;
   if (plan.without_fused_spheres.empty() && balls < fewest && !begun)
@@ -208,7 +208,7 @@ std::string StepPlan::reason(const std::string& cost) const {
 
 namespace {
 
-/// Notes what the scene pays for and what not.
+/// Notes the costs that the scene has, and those that it does not have.
 struct Bill {
   StepPlan& plan;
   void pay(bool needed, const char* name, const char* why, const Place& where) const {
@@ -230,7 +230,7 @@ void plan_laws(const Scene& scene, const Bill& bill, bool smooth) {
   bill.pay(plan.needs.contact_moment, "contact moment", "rolling friction", c.rolling_friction.place);
 }
 
-/// What single bodies ask for.
+/// Costs by properties of single bodies.
 void plan_bodies(const Scene& scene, const Bill& bill, bool smooth) {
   StepPlan& plan = bill.plan;
   const auto find = [&](const auto& asks) -> const Place* {
@@ -278,9 +278,9 @@ void plan_reach(const Scene& scene, const ShapesInUse& use, bool smooth, StepPla
   }
   const double smallest = use.smallest;
   if (!std::isfinite(smallest)) return;
-  // What bodies move in a step is foreseen, as far as the step that the program chooses lets them go: by a quarter of
-  // the smallest each (time_step_nonsmooth.h). What a longer written step brings nearer than that is found overlapping.
-  // Slow pairs have a smaller reach (follow_motion).
+  // Contacts are predicted as far as bodies move in a step chosen by the program: by a quarter of the smallest diameter
+  // each (time_step_nonsmooth.h). Bodies that move further in a longer written step are found overlapping. Slow pairs
+  // have a smaller reach (follow_motion).
   plan.reach = 0.5 * smallest;
   plan.resting_reach = 0.005 * smallest;
 }

@@ -1,5 +1,5 @@
-/// @file plan.h  What a scene makes the engine do, and nothing more: derived from what it declares.
-/// `plan_text.cpp` prints it for `epafi explain`.
+/// @file plan.h  Work of the engine for a scene, derived from its declarations. `plan_text.cpp` prints it for `epafi
+/// explain`.
 #pragma once
 #include <string>
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace epafi {
 
-/// Something the scene pays for, why, and the line that asked.
+/// A cost of the scene, with reason and line.
 struct Cost {
   std::string name, why;
   Place where{};
@@ -20,25 +20,25 @@ struct Cost {
 /// A cell of the pair table that the scene can reach.
 struct ReachableCell {
   std::string a, b, method;
-  bool convex_parts = false;  ///< they remember each other
+  bool convex_parts = false;  ///< pairs of parts have memory
 };
 
 struct StepPlan {
   Columns columns;                    ///< of the world
   Needs needs;                        ///< of laws or solver
   double reach = 0.0;                 ///< contacts with gap < reach are handed to the contact model [m]
-  double resting_reach = 0.0;         ///< the same where nothing moves that far in a step [m]
+  double resting_reach = 0.0;         ///< the same for bodies that move less in a step [m]
   bool rolling = false;               ///< wheels on rails by laws of rolling contact
   bool fused_spheres = false;         ///< free spheres, and what else consists of balls, take the fused loop
   bool fused_held = false;            ///< spheres and clumps that are held do so too
-  std::string without_fused_spheres;  ///< why they do not; empty: there are none
+  std::string without_fused_spheres;  ///< why they do not; empty: no spheres
   std::vector<ReachableCell> pair_cells;
   std::vector<Cost> costs;
   std::vector<std::string> not_paid;
   std::string broad_phase, broad_phase_reason;
   MemoryPlan memory;
 
-  /// The line that asked for a cost, or "not paid".
+  /// The line that causes a cost, or "not paid".
   std::string reason(const std::string& cost) const;
 };
 

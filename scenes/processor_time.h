@@ -10,9 +10,9 @@ inline double seconds_of(clockid_t clock) {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// Of all threads of this process since it began [s].
+/// Processor time of all threads of this process since its start [s].
 inline double process_seconds() { return seconds_of(CLOCK_PROCESS_CPUTIME_ID); }
-/// Of the calling thread since it began [s].
+/// Processor time of the calling thread since its start [s].
 inline double thread_seconds() { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }
 
 }  // namespace epafi

@@ -1,4 +1,4 @@
-/// @file progress.h  What a user sees of a run: a bar on a terminal, else a line every 10 s; always on stderr.
+/// @file progress.h  Progress of a run on stderr: a bar on a terminal, else a line every 10 s.
 #pragma once
 #include <chrono>
 #include <string>
@@ -33,8 +33,7 @@ class Progress {
 /// "3:07" or "2:15:30".
 std::string clock_text(double seconds);
 
-/// Warns of each source that is behind its rate by more than a fiftieth of what was due: the run has less in it than
-/// the scene says.
+/// Warns of each source that is behind its rate by more than 2 %.
 void report_late_sources(const Assembly& assembly);
 
 }  // namespace epafi

@@ -1,5 +1,5 @@
-/// @file rare.h  A value that few of many objects have: where it is absent it takes the room of a pointer, so that a
-/// million bodies do not pay for the motion of one drum.
+/// @file rare.h  An optional value that few of many objects have; if absent it takes only a pointer, so that a million
+/// bodies do not pay for the motion of one drum.
 #pragma once
 #include <memory>
 #include <optional>

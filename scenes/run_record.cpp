@@ -20,7 +20,8 @@ int AdaptiveStep::parts(const World& w) const {
 
 namespace {
 
-/// Lines of words; texts have their length before them. Numbers are hexadecimal: the same bits come back.
+/// Writes lines of words. A text is preceded by its length; numbers are hexadecimal, so that they are read back
+/// exactly.
 struct RecordWriter {
   std::string out;
   RecordWriter& word(const std::string& w) {

@@ -1,5 +1,5 @@
-/// @file run_record.h  What a checkpoint keeps of a run beside its state: which stages it went through, what resumes
-/// have changed, and the time step of the present stage where the scene alone does not give it.
+/// @file run_record.h  Record of a run in its checkpoint: its stages, the changes by resumes, and the time step of the
+/// present stage if the scene alone does not determine it.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -12,17 +12,17 @@
 
 namespace epafi {
 
-/// A step divided as the largest speed asks: `time_step = "adaptive"`.
+/// Division of the step by the largest speed: `time_step = "adaptive"`.
 struct AdaptiveStep {
   double top = 0.0;          ///< speed of the survey [m/s]
   double longest = 0.0;      ///< step [s]
   double shortest = 0.0;     ///< step at `top` [s]
-  double power = 0.0;        ///< of the speed, by which the step goes
-  double least_share = 0.0;  ///< of `top`, below which the step is the longest
+  double power = 0.0;        ///< exponent of the speed in the step
+  double least_share = 0.0;  ///< speed over `top` below which the step is the longest
   int parts(const World& world) const;
 };
 
-/// The time step and where it came from.
+/// The time step and its origin.
 struct TimeStep {
   double value = 0.0;  ///< [s]
   double limit = 0.0;  ///< stability or accuracy limit [s]; infinite where there is none
@@ -41,11 +41,11 @@ struct StageRecord {
   double until = 0.0;  ///< so far [s]
   double clock = 0.0;  ///< of the stage at its end [s]
   std::uint64_t first_step = 0;
-  std::string ended;  ///< duration, condition, at_most, changed; empty: it lasts
+  std::string ended;  ///< duration, condition, at_most, changed; empty: not ended
 };
 
 struct StageSpec;
-/// Of a stage that has ended at its longest time.
+/// Warning of a stage that ended at its longest time.
 std::string at_most_warning(const StageRecord& record, const StageSpec& stage);
 
 struct RunRecord {
@@ -57,7 +57,7 @@ struct RunRecord {
   std::optional<TimeStep> time_step{};
   KnownFills fills{};  ///< of stages after the first: placed among bodies that stand elsewhere since
 
-  /// Of the stages of this scene before the present one, at their ends [s].
+  /// Clocks of the stages of this scene before the present one, at their ends [s].
   std::vector<double> clocks() const;
   std::string to_text() const;
   /// Throws FileError where it is none.

@@ -1,6 +1,6 @@
-/// @file scene.h  The validated description of a scene: plain structs in SI, nothing parsed, nothing built.
-/// Everything here has passed the door (scenes/reader): names are resolved to indices, numbers are finite and in range.
-/// A Place is kept where a later stage may still have to complain about a value or name the line that asked for a cost.
+/// @file scene.h  The validated description of a scene: plain structs in SI. scenes/reader has resolved names to
+/// indices and checked that numbers are finite and in range. A Place is kept for values that later errors, or `epafi
+/// explain`, may refer to.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -37,8 +37,8 @@ struct Placed {
 struct RunSettings {
   Placed<double> duration;                    ///< [s], > 0
   Placed<std::optional<double>> time_step;    ///< [s], > 0; empty: "auto" or "adaptive"
-  bool adaptive = false;                      ///< time_step = "adaptive": divided as the motion asks
-  bool allow_unstable = false;                ///< a step above the limit is taken: to see where it fails
+  bool adaptive = false;                      ///< time_step = "adaptive": divided by the speed of bodies
+  bool allow_unstable = false;                ///< accepts a step above the limit, to study instability
   Placed<std::string> scheme;                 ///< resolved from the method where not written
   Placed<double> output_interval;             ///< [s], > 0; default duration / 100
   std::optional<double> checkpoint_interval;  ///< [s], > 0; empty: only at the end and on interruption
@@ -51,7 +51,7 @@ struct MaterialSpec {
   Place place;
 };
 
-/// [[contact.pair]]: what differs for one unordered pair of materials.
+/// [[contact.pair]]: values of one unordered pair of materials.
 struct PairSpec {
   std::size_t a = 0, b = 0;  ///< indices of materials, a <= b
   std::optional<double> restitution, friction, rolling_friction;
@@ -97,10 +97,10 @@ struct ShapeSpec {
   Place place;
 };
 
-/// When something written in the scene begins to count: with the stage that wrote it.
+/// Start of the time of a motion or load: the stage that sets it.
 struct Since {
   std::size_t stage = 0;  ///< index in Scene::stages
-  double passed = 0.0;    ///< of its time in a run that the scene starts from [s]
+  double passed = 0.0;    ///< its time in an earlier run that the scene starts from [s]
 };
 
 /// motion = { ... } or a list of them, without the servo.
@@ -109,7 +109,7 @@ struct MotionSpec {
   Since since;
 };
 
-/// motion = { servo = { ... } }. Until complete_servos() what is not written of direction, mass and max_speed is 0.
+/// motion = { servo = { ... } }. Direction, mass and max_speed without a key are 0 until complete_servos().
 struct ServoSpec {
   Servo servo;
   Since since;
@@ -121,9 +121,9 @@ struct Removal {
   Since since;
 };
 
-/// force and torque where they follow time, and every torque.
+/// Time-dependent force, and torque.
 struct TimedLoad {
-  TimeVector force, torque;  ///< [N], [N m]; empty: none. Of the force the part that follows time
+  TimeVector force, torque;  ///< time-dependent part of the force [N], torque [N m]; empty: none
   Since since;
 };
 
@@ -134,16 +134,16 @@ struct BodySpec {
   double size = 1.0;         ///< factor of all lengths of the shape, > 0
   std::size_t material = 0;  ///< index in Scene::materials
   bool fixed = false;
-  bool on_rails = false;    ///< a wheelset whose height and roll are found
-  bool continuous = false;  ///< held back from passing through others within a step
+  bool on_rails = false;    ///< a wheelset whose height and roll are computed
+  bool continuous = false;  ///< continuous collision detection
   bool as_drawn = false;    ///< position is that of the origin of the shape's file
-  bool absent = false;      ///< taken out; its number in the group stays
+  bool absent = false;      ///< removed; keeps its number in the group
   Rare<MotionSpec> motion;  ///< of a driven body
-  Rare<ServoSpec> servo;    ///< of one that presses
+  Rare<ServoSpec> servo;    ///< of a servo wall
   Rare<TimedLoad> load;
   Rare<Removal> remove_at;
   Vec3 position = Vec3::Zero();                               ///< of the centre of mass, or as_drawn [m]
-  Quat orientation = Quat(1, 0, 0, 0);                        ///< of the author's axes, unit
+  Quat orientation = Quat(1, 0, 0, 0);                        ///< of the axes of the scene or file, unit
   Vec3 velocity = Vec3::Zero();                               ///< [m/s]
   Vec3 angular_velocity = Vec3::Zero();                       ///< world axes [rad/s]
   Rare<Vec3> force;                                           ///< constant part of the external force [N]
@@ -156,10 +156,10 @@ struct GroupSpec {
   std::string name;  ///< may be empty
   std::size_t first = 0, count = 0;
   Place place;
-  std::vector<std::size_t> repeat{};  ///< bodies along each index; rows of a file have one; empty: one body, no index
+  std::vector<std::size_t> repeat{};  ///< bodies along each index; one for rows of a file; empty: one body, no index
   std::string group{};                ///< a name that it shares with others; may be empty
-  std::size_t stage = 0;              ///< of Scene::stages that brings it
-  std::optional<std::size_t> from{};  ///< carried over: its number among the groups of the run the scene starts from
+  std::size_t stage = 0;              ///< that adds it, index in Scene::stages
+  std::optional<std::size_t> from{};  ///< its number among the groups of the run that the scene starts from
 };
 
 /// Name of the k-th body of a group: "stack[3]", "grid[0,1,2]" or the plain name; empty where the group has none.
@@ -176,15 +176,15 @@ struct Region {
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();
 };
 
-/// What a stage changes of bodies: body.NAME = { ... }.
+/// Changes of bodies by a stage: body.NAME = { ... }.
 struct BodyChange {
   std::optional<std::size_t> one{};  ///< of the named bodies of a fill; empty: all
   std::optional<bool> fixed{};
   bool remove = false;
-  bool moves = false;  ///< motion and servo are given, or that there is none
+  bool moves = false;  ///< changes motion and servo, possibly to none
   std::optional<MotionSpec> motion{};
   std::optional<ServoSpec> servo{};
-  bool loads = false;  ///< force and torque likewise
+  bool loads = false;  ///< changes force and torque, possibly to none
   std::optional<Vec3> force{};
   std::optional<TimedLoad> load{};
 };
@@ -197,7 +197,7 @@ struct FillSpec {
   struct Size {
     std::string distribution = "uniform";  ///< uniform, normal, lognormal, table
     double min = 1.0, max = 1.0;           ///< all sizes lie between, > 0
-    double mean = 1.0, deviation = 0.0;    ///< normal and lognormal: of the factor itself, before it is cut off
+    double mean = 1.0, deviation = 0.0;    ///< normal and lognormal: of the factor, before truncation
     std::vector<double> values, shares;    ///< table: sizes and how many bodies have them, same length
   };
   std::string name;                 ///< of the group; "fill" where not written
@@ -212,17 +212,17 @@ struct FillSpec {
   Method method = Method::lattice;
   std::uint64_t seed = 1;
   Vec3 velocity = Vec3::Zero();     ///< [m/s]
-  double velocity_deviation = 0.0;  ///< standard deviation of each component of a body's own velocity [m/s], >= 0
+  double velocity_deviation = 0.0;  ///< standard deviation of each component of random velocities [m/s], >= 0
   double rate = 0.0;                ///< pour: bodies per second [1/s], or 0
   double mass_rate = 0.0;           ///< pour: [kg/s], or 0
-  double from = 0.0;                ///< pour: begin [s]
+  double from = 0.0;                ///< pour: start time [s]
   Place place;
   std::string group{};    ///< a name that it shares with others; may be empty
-  std::size_t stage = 0;  ///< of Scene::stages that brings it
+  std::size_t stage = 0;  ///< that adds it, index in Scene::stages
   std::vector<BodyChange> changes{};
 };
 
-/// [[outlet]]: free bodies whose centres come into the box are taken out and counted.
+/// [[outlet]]: free bodies whose centres enter the box are removed and counted.
 struct OutletSpec {
   std::string name;
   Region region;
@@ -233,7 +233,7 @@ struct OutletSpec {
 struct SpringSpec {
   std::string name;
   std::size_t body = 0;            ///< index in Scene::bodies
-  std::optional<std::size_t> to;   ///< index in Scene::bodies; none: a frame that moves along the way
+  std::optional<std::size_t> to;   ///< index in Scene::bodies; none: a frame that moves along the track
   double speed = 0.0;              ///< of the frame [m/s]
   Vec3 attachment = Vec3::Zero();  ///< axes of the body [m]
   Vec3 stiffness = Vec3::Zero(), damping = Vec3::Zero(),
@@ -249,9 +249,9 @@ struct CellSpec {
   Place place;
 };
 
-/// What a name stands for: bodies of the scene and of its fills.
+/// Bodies of a name: of the scene and of its fills.
 struct NamedBodies {
-  /// Scene::bodies[first .. first + count): a name of a million is one of them.
+  /// Scene::bodies[first .. first + count).
   struct Range {
     std::size_t first = 0, count = 0;
     bool operator==(const Range&) const = default;
@@ -266,18 +266,18 @@ struct MeasureSpec {
   std::string name;
   std::string kind;
   double interval = 0.0;  ///< [s]; 0: every step
-  bool thinned = false;   ///< no interval is given: every step is sampled, not every one is written
+  bool thinned = false;   ///< without interval: evaluates every step, writes 10 000 rows at most
   Parameters parameters;
   std::vector<NamedBodies> bodies;  ///< of body = NAME (one) or between = [NAME, NAME] (two)
   Place place;
 };
 
-/// What a value of a measure must do, and for how long.
+/// Condition on a measure.
 struct Condition {
   std::string measure, component;
   double limit = 0.0;
-  bool above = false;     ///< it holds above the limit, else below
-  double duration = 0.0;  ///< without a break [s]
+  bool above = false;     ///< true above the limit, else below
+  double duration = 0.0;  ///< for which it must hold without interruption [s]
   bool holds(double value) const { return above ? value > limit : value < limit; }
 };
 
@@ -285,8 +285,8 @@ struct Condition {
 struct BoundSpec {
   std::string quantity;  ///< energy_error, overlap_relative, momentum_error, residual, drift, sag, measure
   double limit = 0.0;    ///< value <= limit
-  bool stops = false;    ///< then = "stop": the run ends early and well
-  Condition broken{};    ///< of `measure`: when the bound is left
+  bool stops = false;    ///< then = "stop": ends the run early, without failure
+  Condition broken{};    ///< of `measure`: condition that violates the bound
   std::string body;      ///< of drift and sag
   NamedBodies bodies;    ///< resolved
   double after = 0.0;    ///< [s]
@@ -307,45 +307,45 @@ struct BenchmarkSpec {
   Place place;
 };
 
-/// [[stage]]; a scene without any has one, of the whole duration.
+/// [[stage]]; a scene without [[stage]] has one of the whole duration.
 struct StageSpec {
   std::string name;       ///< empty where the scene has no [[stage]]
-  double duration = 0.0;  ///< the longest time where there is a condition [s], > 0
+  double duration = 0.0;  ///< [s], > 0; with a condition the longest time
   std::optional<Condition> until{};
   Place place{};
 };
 
-/// [start]: a run that has been made, whose bodies this scene has from it.
+/// [start]: an earlier run that provides bodies of this scene.
 struct StartSpec {
   std::string run;                   ///< folder
-  std::string hash;                  ///< of what is taken from it
-  std::size_t bodies = 0;            ///< so many of Scene::bodies come from it, with the numbers they have there
-  std::vector<std::string> dropped;  ///< what is left behind, for the report
-  bool at_rest = false;              ///< velocities are left behind
+  std::string hash;                  ///< of the data taken from it
+  std::size_t bodies = 0;            ///< number of Scene::bodies that come from it, with their numbers there
+  std::vector<std::string> dropped;  ///< data that are not taken, for the report
+  bool at_rest = false;              ///< sets velocities to 0
   Vec3 move = Vec3::Zero();          ///< [m]
   Quat turn = Quat(1, 0, 0, 0);      ///< about the origin, before the move
   bool turned = false;
-  bool goes_on = false;          ///< in time and in its files: `epafi resume DIR --scene`
+  bool goes_on = false;          ///< continues its time and files: `epafi resume DIR --scene`
   std::optional<double> time{};  ///< of a snapshot [s]
   bool keeps_memory() const { return !turned && !time; }
-  std::shared_ptr<struct MadeRun> made{};  ///< until the bodies have their places
+  std::shared_ptr<struct MadeRun> made{};  ///< until the bodies have positions
   Place place{};
 };
 
 /// [output]
 struct OutputSettings {
-  std::optional<Placed<double>> problems_every;  ///< write the contact problems each so many seconds [s]
+  std::optional<Placed<double>> problems_every;  ///< interval of files with contact problems [s]
   Placed<bool> orientation{false, {}};           ///< of spheres too
 };
 
 struct Scene {
   std::string title;
   std::string file;                  ///< as given to the reader
-  std::string text;                  ///< the whole text that was read, includes and overrides too: hashed, stored
-  std::vector<std::string> files{};  ///< that decide the run too, of all stages: tables, bodies, shapes of later ones
+  std::string text;                  ///< the whole text with includes and overrides: hashed, stored
+  std::vector<std::string> files{};  ///< other files that determine the run, of all stages: tables, bodies, shapes
   RunSettings run;
-  Vec3 gravity = Vec3::Zero();  ///< the part that does not follow time [m/s^2]
-  TimeVector loose_gravity{};   ///< the other one; empty: none
+  Vec3 gravity = Vec3::Zero();  ///< the constant part [m/s^2]
+  TimeVector loose_gravity{};   ///< the time-dependent part; empty: none
   Since gravity_since{};
   std::optional<Placed<Domain>> domain;
   std::optional<CellSpec> cell;
@@ -366,10 +366,10 @@ struct Scene {
   OutputSettings output;
   ViewSettings view;
   std::vector<StageSpec> stages;  ///< one at least
-  std::size_t stage = 0;          ///< the one that this scene describes
+  std::size_t stage = 0;          ///< index of the stage that this scene describes
   std::optional<StartSpec> start{};
   std::function<Scene(std::size_t)> stage_of{};  ///< the same scene at another stage; throws SceneError
-  bool changes_bodies = false;                   ///< against the stage or run before: bodies, what drives or holds them
+  bool changes_bodies = false;  ///< relative to the stage or run before: bodies, their motion or `fixed`
 };
 
 /// Name of Scene::bodies[k].
@@ -378,7 +378,7 @@ inline std::string body_name(const Scene& scene, std::size_t k) {
   return body_name(group, k - group.first);
 }
 
-/// Every unordered pair of the scene's materials with what [contact] and [[contact.pair]] say of it.
+/// Every unordered pair of the scene's materials with its values from [contact] and [[contact.pair]].
 MaterialTable material_table(const Scene& scene);
 
 }  // namespace epafi

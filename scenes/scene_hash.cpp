@@ -7,7 +7,7 @@ namespace epafi {
 
 namespace {
 
-/// Files that only stages and tables name were not hashed by programs of before.
+/// with_files: also hashes files that only stages and tables name; earlier versions did not.
 std::string scene_hash(const Scene& scene, bool with_files) {
   Hash hash;
   hash.add(scene.text);

@@ -31,12 +31,12 @@ namespace epafi {
 
 namespace {
 
-/// Steps between two happenings `interval` seconds apart, at least 1; an interval longer than any run is the longest.
+/// Number of steps in `interval` [s], from 1 to 1e15.
 std::uint64_t steps_of(double interval, double dt) {
   return static_cast<std::uint64_t>(std::clamp(std::round(interval / dt), 1.0, 1e15));
 }
 
-/// Of all bodies of the scene, those too that are poured in later [m].
+/// Smallest radius of all bodies of the scene, including those poured later [m].
 double least_radius(const Assembly& a) {
   const World& world = a.simulation->world;
   double least = infinity;
@@ -46,8 +46,7 @@ double least_radius(const Assembly& a) {
   return least;
 }
 
-/// The run file of a run that goes on. One that was torn is set aside: what it held up to now is lost to the new one,
-/// the state is not.
+/// The run file of a continued run. A damaged file is set aside: the new one lacks its data, but the state is not lost.
 RunFile continued_run(const std::filesystem::path& path, const RunFileHeader& header, const CheckpointHeader& from,
                       std::string& note) {
   const std::string damage = damage_of(path);
@@ -60,7 +59,7 @@ RunFile continued_run(const std::filesystem::path& path, const RunFileHeader& he
   return {path, header};
 }
 
-/// Continued where it is there: older versions wrote none.
+/// Continues the file where it exists: older versions wrote none.
 std::unique_ptr<MeasuresCsv> course_file(const std::filesystem::path& path, const CheckpointHeader* from) {
   const bool goes_on = from != nullptr && std::filesystem::exists(path);
   return goes_on ? std::make_unique<MeasuresCsv>(path, from->time) : std::make_unique<MeasuresCsv>(path);
@@ -212,7 +211,7 @@ void Session::add_observers() {
     sim.observers.push_back(std::move(frames));
 }
 
-/// Of a measure; NaN where there is none yet.
+/// Last value of a measure; NaN where there is none yet.
 double Session::last_value(const Condition& condition) const {
   for (const MeasureRecorder* r : recorders_) {
     const std::size_t k = r->component(condition.component);
@@ -230,7 +229,7 @@ std::string Session::advice() const {
                      monitor_->residual_max(), would_do.empty() ? "" : "; ", would_do);
 }
 
-/// The contact problem of the step just made, for `epafi solve`: problems/<scene>-i<step>-<contacts>.hdf5.
+/// Writes the contact problem of the last step, for `epafi solve`: problems/<scene>-i<step>-<contacts>.hdf5.
 void Session::write_contact_problem() const {
   const Simulation& sim = *assembly_->simulation;
   const ContactProblem* problem = last_problem(under_layers(sim));
@@ -277,7 +276,7 @@ namespace {
 constexpr std::uint64_t keep_every = 1000;  // a copy of 20 000 spheres takes 2 ms: 0.1 % of 1000 steps
 }
 
-/// The limits do not ask for the state after the next step.
+/// True where neither limits nor intervals need the state after the next step.
 bool Session::goes_on(const SessionLimits& limits, std::initializer_list<std::uint64_t> intervals) const {
   const Simulation& sim = *assembly_->simulation;
   const std::uint64_t next = sim.steps() + 1;
@@ -307,7 +306,7 @@ std::optional<Ending> Session::step_once(std::uint64_t last_step, bool run_on) {
   return std::nullopt;
 }
 
-/// Text of a failure with its body and what computed it.
+/// Sets the text of a failure, with its body and the component that computed it.
 void Session::set_trouble(const Failure& failure) {
   trouble_ = fmt::format("{}: {}{}", failure.kind, failure.text,
                          failure.body ? " ('" + body_name(*assembly_, *failure.body) + "')" : "");
@@ -316,14 +315,14 @@ void Session::set_trouble(const Failure& failure) {
       contact.method.value == Method::smooth ? "; law " + contact.law.value : "; solver " + contact.solver.value;
 }
 
-/// A wheelset beside its rails is a whole state: it is saved as it is.
+/// The state of a derailed wheelset is valid: it is saved as it is.
 Ending Session::end_off_track(const Failure& failure) {
   set_trouble(failure);
   trouble_ += fmt::format("; the state of step {} is saved in checkpoint.h5", assembly_->simulation->steps());
   return Ending::failed;
 }
 
-/// Back to the last good state.
+/// Restores the last good state.
 Ending Session::fail(const Failure& failure) {
   set_trouble(failure);
   lost_ = failure.kind == "lost body" ? 1 : 0;
@@ -334,7 +333,7 @@ Ending Session::fail(const Failure& failure) {
   return Ending::failed;
 }
 
-/// What others see of the run while it goes on, each second.
+/// Updates the files that other programs read during the run, each second.
 void Session::keep_up_files() {
   files_->csv.flush_each_second();
   if (files_->course) files_->course->flush_each_second();
@@ -363,7 +362,7 @@ Ending Session::take_steps(const SessionLimits& limits, Progress& progress) {
 }
 
 namespace {
-/// Shows the end of a run that is cut off to its monitor.
+/// Shows the last state of an interrupted run to its monitor.
 class LastLook final : public Observer {
  public:
   explicit LastLook(RunMonitor& monitor) : monitor_(monitor) {}
@@ -388,7 +387,7 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
     do {
       progress.enter(record_.stages.back().name, record_.stages.back().first_step, last_step());
       ending_ = record_.stages.back().ended.empty() ? take_steps(limits, progress) : Ending::completed;
-      // a run that is cut off between two stages is saved at the end of the first one
+      // a run interrupted between two stages is saved at the end of the first one
       if (const auto reason = reason_to_stop(limits); reason && ending_ == Ending::completed && !is_final())
         ending_ = *reason;
     } while (ending_ == Ending::completed && next_stage());
@@ -399,20 +398,20 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   record_.stages.back().until = sim.world.time;
   wall_ = elapsed();
   cpu_ = process_seconds() - first_cpu;
-  // saved first: measuring extends what the energy's error is relative to, and what goes on must not say it was cut off
+  // saved first: measuring extends the reference of the energy error, and a continued run must not show an interruption
   const bool is_cut = !is_done() && ending_ != Ending::failed && ending_ != Ending::bound_violated;
   if (is_cut) save_checkpoint_now();
-  sim.come_home();
+  sim.gather_state();
   report_late_sources(*assembly_);
   sim.measure();
   if (course_ && ending_ != Ending::failed) sim.show(*course_);
-  // what a bound has seen stands in its measures and frames too, whatever their interval
+  // measures and frames include the state that violated a bound, whatever their interval
   if (ending_ == Ending::stopped || ending_ == Ending::bound_violated) {
     for (MeasureRecorder* recorder : recorders_) sim.show(*recorder);
     const bool at_end = is_final() && sim.steps() >= last_step();
     if (frames_ && !at_end && !frames_->is_due(sim.steps())) sim.show(*frames_);
   }
-  if (const auto failure = is_cut ? sim.look_at_energy() : std::nullopt) {
+  if (const auto failure = is_cut ? sim.check_energy() : std::nullopt) {
     ending_ = fail(*failure);
     save_checkpoint_now();
   } else if (is_cut) {

@@ -42,27 +42,27 @@ class Session {
   /// in.
   static std::unique_ptr<Session> resume(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides,
                                          std::filesystem::path folder);
-  /// Goes on with another scene from here: a change of this one (`inserted`), or one that starts from this run.
+  /// Continues with another scene: a change of this one (`inserted`), or one that starts from this run.
   void change(Scene next, const RunRecord& record, std::vector<std::string> overrides);
-  /// The last stage lasts until then [s] at least.
+  /// Extends the last stage to this time [s] at least.
   void extend(double until);
-  /// The last stage has so many steps at least, of all of the run.
+  /// Extends the last stage to this number of steps of the run at least.
   void extend_to_step(std::uint64_t steps);
-  /// What is left of the present stage [s]; until: at least up to there, where no stage follows.
+  /// Remaining time of the present stage [s]; until: end of the last stage at least.
   double rest(std::optional<double> until) const;
   const RunRecord& record() const { return record_; }
-  /// The last stage is over: there is nothing to go on with.
+  /// True if the last stage is over.
   bool is_done() const;
   ~Session();
 
   Ending run(const SessionLimits& limits, bool quiet);
   /// Text of the failure or of the violated bound; empty when all is well.
   const std::string& trouble() const { return trouble_; }
-  /// Of a run whose solver stopped above its tolerance: how often, how far, and which solver would do; else empty.
+  /// Message if the solver stopped above its tolerance: how often, how far, and which solver reaches it; else empty.
   std::string advice() const;
-  /// Why a run ended before its time and well; empty where it did not.
+  /// Reason why a run ended early without failure; else empty.
   const std::string& stop_reason() const { return stop_reason_; }
-  /// What a resumed run has to say of the files it found; empty when nothing.
+  /// Remark on the files of a resumed run; or empty.
   const std::string& note() const { return note_; }
   /// A line for each warning of the run, body names written out.
   std::vector<std::string> warnings() const;
@@ -71,7 +71,7 @@ class Session {
 
  private:
   struct Files;
-  /// from: the checkpoint to continue from, null for a new run. Files are opened, observers added.
+  /// Opens files and adds observers. from: the checkpoint to continue from, null for a new run.
   Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder,
           const CheckpointHeader* from, Output output);
   void add_observers();
@@ -127,7 +127,7 @@ class Session {
   double wall_ = 0, cpu_ = 0;
 };
 
-/// Steps between two rows of a measure in the files: where the scene writes no interval, 10 000 rows at most.
+/// Steps between two rows of a measure in the files; without `interval` in the scene at most 10 000 rows.
 std::uint64_t rows_apart(const MeasureSpec& spec, std::uint64_t steps);
 
 }  // namespace epafi

@@ -1,4 +1,4 @@
-/// @file session_stages.cpp  A session goes from stage to stage, and on with other scenes.
+/// @file session_stages.cpp  Stages of a session, and its continuation with other scenes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ void Session::end_record(const std::string& how) {
   now.ended = how;
 }
 
-/// There is more to say than that the scene ran once.
+/// True where the record holds more than one plain run of the scene.
 bool Session::has_record() const {
   return record_.stages.size() > 1 || !record_.stages.front().name.empty() || record_.time_step ||
          !record_.start_run.empty();
@@ -44,7 +44,7 @@ void Session::report_dropped(const std::vector<std::string>& dropped) const {
 
 namespace {
 
-/// Forces are those of the run that the scene starts from, its contacts are found in the first step.
+/// True where forces come from the run that the scene starts from, and contacts are first found in a step.
 bool contacts_come_later(const Assembly& a) {
   const StartSpec& start = *a.scene.start;
   if (!a.simulation->pipeline.scheme->needs_initial_forces()) return true;
@@ -53,7 +53,7 @@ bool contacts_come_later(const Assembly& a) {
 
 }  // namespace
 
-/// Of a new run: from its scene, or from another run.
+/// Begins a new run from its scene or from another run.
 void Session::begin() {
   if (assembly_->scene.start) {
     record_.time_step = assembly_->time_step;
@@ -77,7 +77,7 @@ bool Session::stage_is_met() {
   return true;
 }
 
-/// False where the present one was the last.
+/// Enters the next stage; false where the present one was the last.
 bool Session::next_stage() {
   const Scene& scene = assembly_->scene;
   const StageSpec& stage = scene.stages[scene.stage];
@@ -97,7 +97,7 @@ bool Session::next_stage() {
   return true;
 }
 
-/// What a later resume cannot place once more: among bodies as they stand now.
+/// Records the fills of this stage: a later resume cannot repeat placing among the bodies of now.
 void Session::keep_fills() {
   const Scene& scene = assembly_->scene;
   if (scene.stage == 0) return;
@@ -107,10 +107,10 @@ void Session::keep_fills() {
       record_.fills[i] = assembly_->fill_bodies[i];
 }
 
-/// The simulation of `next` takes the place of the present one.
+/// Replaces the present simulation by that of `next`.
 void Session::enter(Scene next, const RunRecord& record) {
   const std::unique_ptr<Assembly> before = std::move(assembly_);
-  before->simulation->come_home();
+  before->simulation->gather_state();
   const bool held = same_mechanics(before->scene, next);
   AssembleOptions options;
   if (next.stage > 0)

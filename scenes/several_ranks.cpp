@@ -36,7 +36,7 @@ void refuse_wheelsets(const Scene& scene, Refusals& refusals) {
 
 void refuse(const Scene& scene, bool rolls, Refusals& refusals) {
   refusals.add(rolls, scene.contact.wheel_rail_place, "wheel on rail", run_alone);
-  // of impulses process 0 makes the steps
+  // non-smooth steps are made by process 0
   if (scene.contact.method.value == Method::smooth) refuse_wheelsets(scene, refusals);
 }
 
@@ -55,7 +55,7 @@ void check_shareable(const Assembly& a) {
 
 namespace {
 
-/// Free ones, which may be walls to each other (detection/narrow/seams.h).
+/// True where free bodies with flat faces may act as walls to each other (detection/narrow/seams.h).
 bool has_flat_bodies(const Assembly& a) {
   const auto flat = [&](std::uint32_t shape) { return is_free_wall(*a.shapes, ShapeRef{shape}); };
   const World& world = a.simulation->world;

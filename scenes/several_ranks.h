@@ -5,10 +5,10 @@
 
 namespace epafi {
 
-/// Everything in the scene that only one process can do, with its line and what to take instead, as a SceneError.
+/// Throws a SceneError for everything in the scene that needs a single process, with lines and alternatives.
 void check_shareable(const Assembly& assembly);
 
-/// What the processes must know of it.
+/// Data of the scene for the processes.
 PartSetup part_setup(const Assembly& assembly);
 
 /// Steps of the assembly by all processes from now on; part: the same scene assembled once more, its bodies apart.

@@ -52,7 +52,7 @@ double largest_distance(const std::vector<Vec3>& points, const Vec3& from) {
   return radius;
 }
 
-/// Distances are squared and multiplied by each other: beyond these lengths [m] that leaves the range of numbers.
+/// Limits of lengths [m]: beyond them, products of squared distances leave the range of doubles.
 void check_extent(const ShapeSpec& spec, double radius) {
   constexpr double least = 1e-60, most = 1e60;
   const bool endless = spec.type == "half_space" || spec.type == "rail_profile";

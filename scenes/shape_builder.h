@@ -12,7 +12,7 @@
 
 namespace epafi {
 
-/// A shape in the store and what a body of it weighs.
+/// A shape in the store with the mass properties of its body.
 struct BuiltShape {
   ShapeRef ref{};
   double volume = 0.0;   ///< [m^3]; 0 for shapes that only fixed and driven bodies may have
@@ -33,7 +33,7 @@ class ShapeBuilder {
   BuiltShape build(std::size_t shape, double size = 1.0);
   /// Remarks about geometry that can be used but may not be meant (an open mesh, say).
   const std::vector<Problem>& warnings() const { return warnings_; }
-  /// Of the shapes built so far that are no spheres.
+  /// Origins of the shapes built so far, except spheres.
   const ShapeOrigins& origins() const { return origins_; }
 
  private:

@@ -42,7 +42,7 @@ std::size_t BlockBoundPairs::blocks(const World& world) const {
   return (world.size() + block_size() - 1) / block_size();
 }
 
-/// Takes used_margin_ from where the bodies are.
+/// Computes used_margin_ from the positions of bodies.
 ListState BlockBoundPairs::measure(const World& world) {
   const FatBodies& bodies = list_->bodies();
   const auto at = [&](std::size_t s) -> const Vec3& { return world.position[s]; };
@@ -60,8 +60,8 @@ ListState BlockBoundPairs::measure(const World& world) {
   return state;
 }
 
-/// Whether the bounds so far hold for this step too: no body was put back into a periodic cell. The growth of a cell
-/// stretches them.
+/// True where the bounds so far hold in this step: no body was wrapped in a periodic cell. The bounds are scaled by the
+/// growth of the cell.
 bool BlockBoundPairs::keep_bounds(const World& world) {
   if (!world.cell) return true;
   if (wraps_ != world.wraps) {
@@ -76,8 +76,8 @@ bool BlockBoundPairs::keep_bounds(const World& world) {
   return true;
 }
 
-/// Foresees the end by displacements as long as in this step. True where the list ends in this one, with those of other
-/// processes.
+/// Predicts the end of the list from displacements as long as in this step. True where it ends now, together with the
+/// lists of other processes.
 bool BlockBoundPairs::ends_with_others(std::span<const double> displacements, double strain_use,
                                        const ListState& nearly_used_up) {
   double used = strain_use, next = used;
@@ -85,7 +85,7 @@ bool BlockBoundPairs::ends_with_others(std::span<const double> displacements, do
     used = std::max(used, used_margin_[b] + strain_use);
     next = std::max(next, used_margin_[b] + displacements[b] + strain_use);
   }
-  foreseen_ = {next >= nearly, nearly_used_up.by_slow};
+  predicted_ = {next >= nearly, nearly_used_up.by_slow};
   if (!theirs_.comes || !(used > 0.5)) return false;
   used_up_ = {true, theirs_.by_slow};
   return true;
@@ -93,7 +93,7 @@ bool BlockBoundPairs::ends_with_others(std::span<const double> displacements, do
 
 bool BlockBoundPairs::keeps_pairs(const World& world) {
   list_->see_time(world.time);
-  foreseen_ = {};
+  predicted_ = {};
   const std::span<const double> displacements = model() ? model()->largest_displacements() : std::span<const double>{};
   displacements_known_ = !displacements.empty() && list_->bodies().bodies() == world.size();
   const bool known = keep_bounds(world);
@@ -105,9 +105,9 @@ bool BlockBoundPairs::keeps_pairs(const World& world) {
   doubtful_.clear();
   const FatBodies& bodies = list_->bodies();
   const ListFrame now = bodies.frame(world);
-  // what the cell flows past: displacements of bodies that are held, and of a frame that drifts
+  // bounds miss the flow of the cell past held bodies, and past a drifting frame
   const bool all = now.flows() && (bodies.holds_bounded() || !now.common.isZero(0.0));
-  const double more = world.owner.empty() ? 0.0 : 1.0;  // of several processes the next step is foreseen
+  const double more = world.owner.empty() ? 0.0 : 1.0;  // of several processes the next step is predicted
   for (std::size_t b = 0; b < displacements.size(); ++b)
     if ((used_margin_[b] += displacements[b]) + more * displacements[b] + now.strain_use >= nearly || all)
       doubtful_.push_back(b);
@@ -159,7 +159,7 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
   bodies_ = world.size();
 }
 
-/// Those from slot `first` on; the others are known.
+/// Reads spheres from slot `first` on; the others are known.
 void SphereSplit::read_bodies(const World& world, std::size_t first) {
   const auto& spheres = shapes_.of<Sphere>();
   const std::size_t count = world.size() - first;

@@ -1,4 +1,4 @@
-/// @file sphere_split.h  Hands the pair list of a scene with many spheres on: pairs of spheres and balls of clumps, and
+/// @file sphere_split.h  Splits the pair list of a scene with many spheres: pairs of spheres and balls of clumps, and
 /// of these with fixed planes, go to the fused contact model, all others to the narrow phase.
 #pragma once
 #include <memory>
@@ -13,8 +13,8 @@
 namespace epafi {
 
 /// The list of a scene with many spheres, and half-spaces that may move. The positions of a block are read only when
-/// its displacement bound, a sum of largest displacements per step, reaches the margin: to read all positions, and to
-/// write them for it, is a fifth of the bytes of a step of 100 000 spheres.
+/// its displacement bound, a sum of largest displacements per step, reaches the margin: writing and reading all
+/// positions would be a fifth of the memory traffic of a step of 100 000 spheres.
 class BlockBoundPairs final : public BroadPhase, public SharedList {
  public:
   /// The model is that of the pipeline, whichever it has; the pipeline must outlive this.
@@ -23,7 +23,7 @@ class BlockBoundPairs final : public BroadPhase, public SharedList {
   const char* name() const override { return list_->name(); }
   void find_pairs(const World& world, PairList& pairs) override;
   bool keeps_pairs(const World& world) override;
-  End foreseen() const override { return foreseen_; }
+  End predicted_end() const override { return predicted_; }
   void end_with_others(const End& theirs) override { theirs_ = theirs; }
   void reorder(const Reordering& change) override {
     used_margin_.clear();
@@ -49,8 +49,8 @@ class BlockBoundPairs final : public BroadPhase, public SharedList {
   std::vector<double>
       used_margin_;  ///< by block of the model: at least the largest used_margin of its bodies; empty: not known
   bool displacements_known_ = false;   ///< in this step
-  End foreseen_, theirs_;              ///< as SharedList has them: of this process, of all in this step
-  Vec3 cell_size_ = Vec3::Zero();      ///< as used_margin_ knows it, in a periodic cell [m]
+  End predicted_, theirs_;             ///< as SharedList has them: of this process, of all in this step
+  Vec3 cell_size_ = Vec3::Zero();      ///< for which used_margin_ is valid, in a periodic cell [m]
   std::vector<Wraps> wraps_;           ///< the same: bodies put back into the cell have moved by an edge of it
   ListState used_up_;                  ///< state of the list when it ended
   std::vector<std::size_t> doubtful_;  ///< blocks whose bound has reached the margin
@@ -82,7 +82,7 @@ class SphereSplit final : public NarrowPhase {
   FusedSpheres& model_;
   SphereRoles roles_;
   bool known_ = false;      ///< the bodies are in the slots in which the model has seen them
-  bool alone_ = false;      ///< nothing moves but free spheres and half-spaces
+  bool alone_ = false;      ///< only free spheres and half-spaces move
   std::size_t bodies_ = 0;  ///< as many as there were then
   std::vector<BodyBall> balls_;
   std::uint64_t generation_ = 0;

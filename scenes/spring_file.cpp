@@ -26,7 +26,7 @@ std::string quoted(const std::string& text) {
   return out + "\"";
 }
 
-/// Names of bodies in a scene that reads bodies.csv: its rows are the free bodies by number, counted by group.
+/// Names of bodies in a scene that reads bodies.csv: rows are the free bodies by number, counted per group.
 class RowNames {
  public:
   explicit RowNames(const Assembly& a) : assembly_(a) {
@@ -47,7 +47,7 @@ class RowNames {
   }
 
  private:
-  /// A group of one body goes by its name alone.
+  /// A group of one body has its name without an index.
   void single(const GroupSpec& group) {
     for (std::size_t k = group.first; k < group.first + group.count; ++k)
       if (const auto found = names_.find(assembly_.id_of(k)); found != names_.end()) found->second = group.name;

@@ -14,11 +14,11 @@ namespace epafi {
 
 namespace {
 
-// Of the largest eigenvalue, 1 where the step is unstable: (step/limit)^2 without dampers.
-constexpr double most_chosen = 0.5;  // of a step that the program has chosen: beyond it is divided
-constexpr double aim_chosen = 0.3;   // to about half the limit, where energy errs by a percent of one oscillation
-constexpr double grown = 1.15;       // of the largest overlap: stiffness of Hertz by 7 %, the limit by 3.5 %
-constexpr std::uint64_t soon = 10;   // steps to the second look at a written step that is unstable
+// Bounds of the largest eigenvalue, which is (step/limit)^2 without dampers: unstable beyond 1.
+constexpr double most_chosen = 0.5;  // for a step chosen by the program: beyond, it is divided
+constexpr double aim_chosen = 0.3;   // to about half the limit, with an energy error of 1 % of one oscillation
+constexpr double grown = 1.15;      // growth of the largest overlap: changes Hertz stiffness by 7 %, the limit by 3.5 %
+constexpr std::uint64_t soon = 10;  // steps to the second check of a written step that is unstable
 constexpr int most_parts = 10000;
 
 /// Contacts and springs of a state.
@@ -96,7 +96,7 @@ class StabilityWatch final : public StepWatch {
   std::vector<StiffLink> links_;
 };
 
-/// As a look that finds a step stable, in one part: nothing changes.
+/// True where a bound of the eigenvalue shows that the undivided step is stable.
 bool StabilityWatch::passes(std::uint64_t step, double bound) {
   if (state_.parts > 1 || !(bound < (written_ ? 1.0 : most_chosen))) return false;
   state_.next_look = step + interval_;
@@ -121,11 +121,12 @@ std::optional<Failure> StabilityWatch::look(const StepView& view) {
   return std::nullopt;
 }
 
-/// The number of parts for an eigenvalue at the present one: more at once, fewer where the state is softer by far.
+/// Sets the number of substeps; value: eigenvalue at the present number. Increases at once, decreases only where the
+/// state is much softer.
 void StabilityWatch::divide(const StepView& view, double value) {
   const int before = state_.parts;
   if (value <= most_chosen) {
-    // by the square of the parts at most
+    // the eigenvalue changes at most with the square of the number
     const int fewer = static_cast<int>(std::ceil(before * std::sqrt(std::max(value, 1e-12) / aim_chosen)));
     if (fewer >= before) return;
     state_.parts = std::max(1, fewer);

@@ -12,8 +12,8 @@ namespace epafi {
 /// and where the scene allows an unstable step.
 std::unique_ptr<StepWatch> make_stability_watch(const Assembly& assembly);
 
-/// What engine/step/stiffest_mode.h's stiffness_bound gives for parts of the scene's bodies; empty where more than
-/// their contacts counts.
+/// Function that computes stiffness_bound (engine/step/stiffest_mode.h) for a part of the bodies; empty where not only
+/// their contacts count.
 std::function<double(const World&, const ContactPieces&, double dt)> stiffness_of_parts(const Assembly& assembly);
 
 /// The largest step that all contacts and springs of this moment allow [s]; infinite where there are none.

@@ -64,7 +64,7 @@ std::unique_ptr<Assembly> part_of(const std::string& text) {
 
 namespace {
 
-/// Those that have not come to their end, else all.
+/// Text that names the runs to resume: unfinished ones, else all.
 std::string which_to_resume(const std::vector<std::filesystem::path>& runs) {
   constexpr std::size_t most = 8;
   std::vector<std::string> open, done;
@@ -128,8 +128,8 @@ namespace {
 
 bool is_at(double time, double wanted) { return std::abs(time - wanted) <= 1e-6 * std::max(1e-9, wanted) + 1e-12; }
 
-/// The snapshot of that time, to a hundredth of the time between two: they stand at whole steps. why: the reason where
-/// the user did not choose it.
+/// The snapshot at a time, within 1/100 of the interval between two, since snapshots are taken at whole steps. why:
+/// reason for the time where the user did not choose it.
 std::size_t snapshot_at(const StoredRun& stored, double time, const std::string& why = "") {
   std::string times;
   for (std::size_t k = 0; k < stored.snapshots(); ++k) {
@@ -142,7 +142,7 @@ std::size_t snapshot_at(const StoredRun& stored, double time, const std::string&
   throw SceneError(fmt::format("{}the run has no snapshot of {:.6g} s; there are {} s", why, time, times));
 }
 
-/// As if the run had been cut off then: what began later has not begun.
+/// Cuts the record at a time: events that began later have not begun.
 void cut_record(RunRecord& record, double time) {
   if (record.stages.empty()) return;
   std::size_t k = 0;
@@ -158,7 +158,7 @@ void cut_record(RunRecord& record, double time) {
   record.time_step.reset();
 }
 
-/// Bodies of a snapshot stand as they stood there; those that are not in it are taken out.
+/// Sets bodies to their stored state; removes those that are not in the snapshot.
 void place_as_stored(Assembly& a, const StoredRun& stored, const StoredSnapshot& snapshot) {
   World& w = a.simulation->world;
   std::vector<char> there(w.ids_given(), 0);
@@ -187,7 +187,7 @@ void place_as_stored(Assembly& a, const StoredRun& stored, const StoredSnapshot&
   }
 }
 
-/// What drives a body began where the body was when its stage began.
+/// Motions began at the position of the body at the start of their stage.
 void begin_drives(Assembly& a, const RunRecord& record, const StoredRun& stored) {
   for (auto& event : a.simulation->events) {
     auto* drive = dynamic_cast<DriveBody*>(event.get());

@@ -1,4 +1,4 @@
-/// @file start_run.h  A run that has been made, opened with its last state: what another one starts from.
+/// @file start_run.h  An earlier run, opened with its last state, as the start of another one.
 #pragma once
 #include <filesystem>
 
@@ -24,11 +24,10 @@ std::shared_ptr<MadeRun> open_made_run(const std::filesystem::path& run);
 /// The scene of a checkpoint at its present stage, as when it was written; a SceneError where it has changed.
 Scene scene_of(const CheckpointHeader& header, const RunRecord& record);
 
-/// How that scene is assembled so that the state of the checkpoint fits it.
+/// Options of assembly for which the state of the checkpoint fits.
 AssembleOptions options_of(const RunRecord& record);
 
-/// A run that this program makes, in words for another process of it, and what is assembled there of them: all that its
-/// bodies do not decide.
+/// Description of a run for another process of the program, and its assembly there without bodies.
 std::string text_of(const CheckpointHeader& header);
 std::unique_ptr<Assembly> part_of(const std::string& text);
 

@@ -1,13 +1,13 @@
-/// @file step_estimate.h  What time step the contacts of a scene will bear, before it has any: impacts at an expected
-/// speed, packings under an expected load, flat bodies on four points. All limits are those of
-/// engine/step/stiffest_mode.h with the law's stiffness and dashpot at the overlap of that speed or load.
+/// @file step_estimate.h  Estimates the stable time step of a scene before it has contacts: impacts at an expected
+/// speed, packings under an expected load, flat bodies on four points. Limits are those of engine/step/stiffest_mode.h
+/// with the law's stiffness and dashpot at the overlap of that speed or load.
 ///
-/// Limits hold to 20 % where speed and load are what was expected; they go with its power 1/6 (load) and 1/5 (speed)
-/// for Hertz. What comes otherwise is met by the watch in the run.
+/// Limits are right to 20 % if speed and load are those expected; for Hertz they vary with their powers 1/6 (load) and
+/// 1/5 (speed). StepWatch checks the step during the run.
 ///
-/// On the safe side, beyond 20 %, are bodies that never get the speed that is expected of them, a fall through the
-/// height of all bodies: a ball or a box set down at rest stays at rest up to 2.1 and 2.4 times its limit, whatever e,
-/// as its contacts are a ninth as deep as after that fall.
+/// The estimate is more conservative for bodies slower than expected, which is a fall through the height of all bodies:
+/// a ball or a box placed at rest is stable up to 2.1 and 2.4 times its limit for every e, since its contacts are a
+/// ninth as deep as after that fall.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -25,29 +25,29 @@ struct FlatBody {
   Vec3 inertia = Vec3::Zero();  ///< principal [kg m^2]
   Vec3 half = Vec3::Zero();     ///< half the sides of its box [m]
   double radius = 0.0;          ///< of the sphere of its volume [m]
-  int corners = 4;              ///< that carry it on its largest face, 4 at least
+  int corners = 4;              ///< contact points on its largest face, at least 4
 };
 
-/// What two kinds of bodies are to each other.
+/// A pair of kinds of bodies.
 struct ExpectedPair {
   std::uint16_t i = 0, j = 0;  ///< materials
   double mass = 0.0;           ///< of the lighter body [kg]
   ContactKinematics at;        ///< m*, R*; the overlap comes with speed or load
 };
 
-/// Overlap at which the pair presses with a force [m].
+/// Overlap of the pair under a force [m].
 double overlap_under(const ContactLinks& links, const ExpectedPair& pair, double force);
 
-/// Of one contact of round bodies at an overlap: the largest step [s].
+/// Largest stable step for one contact of round bodies at an overlap [s].
 double impact_step(const ContactLinks& links, const ExpectedPair& pair, double overlap);
 
-/// Of a packing of round bodies with so many contacts each at an overlap [s].
+/// The same for a packing of round bodies with this number of contacts each [s].
 double packing_step(const ContactLinks& links, const ExpectedPair& pair, double overlap, double coordination);
 
-/// Contacts of a body that decide about the step of a packing at rest: as many as hold it, 6 without friction and 4
-/// with it (isostatic), a tenth more, and half more under dampers that stop an impact at once, where walls count. By
-/// random beds with and without a load (perf/step_limits.py). A dense crystal of 12 bears less, which the watch sees in
-/// the run.
+/// Effective number of contacts of a body for the stable step of a packing at rest: the isostatic number (6 without
+/// friction, 4 with it) plus a tenth, and plus a half with dampers that stop an impact at once, because of walls.
+/// Fitted to random beds with and without load (perf/step_limits.py). A dense crystal with 12 contacts has a shorter
+/// stable step, which StepWatch detects during the run.
 double resting_contacts(double friction, double restitution);
 
 /// Equal balls on each other, the lowest on a floor.
@@ -56,15 +56,14 @@ struct Column {
   double mass = 0.0, radius = 0.0;  ///< of a ball [kg], [m]
   double weight = 0.0;              ///< of a ball [N]
   double press = 0.0;               ///< of a plate on the uppermost [N]; 0: there is none
-  std::optional<Servo> plate{};     ///< that presses, where it gives way
+  std::optional<Servo> plate{};     ///< servo of the plate, if it is force-controlled
   std::uint16_t ball_material = 0, floor_material = 0;
 };
 
-/// By the eigenvalue of all its contacts under what lies above them [s].
+/// Stable step from the eigenvalue of all its contacts under the load above them [s].
 double column_step(const ContactLinks& links, const Column& column);
 
-/// Of a flat body that lies on the corners of its stiffest face at an overlap; the lowest of `stacked` bodies where
-/// more than one is free [s].
+/// Stable step of a flat body on the corners of its stiffest face at an overlap; the lowest of `stacked` bodies [s].
 double corner_step(const ContactLinks& links, const ExpectedPair& pair, const FlatBody& body, double overlap,
                    std::size_t stacked);
 

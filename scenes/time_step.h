@@ -11,7 +11,7 @@ TimeStep choose_time_step(const Assembly& assembly);
 /// For `epafi explain`: the time step and why, and of non-smooth contact the solver and the law of impact.
 std::string chosen_text(const Assembly& assembly);
 
-/// What keeps bodies apart that a run brings so near, of the smaller radius: "; 3.2e+02 times the stiffness ...".
+/// Advice against an overlap of this share of the smaller radius: "; 3.2e+02 times the stiffness ...".
 std::string overlap_remedy(double relative, bool smooth);
 
 }  // namespace epafi

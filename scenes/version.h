@@ -4,9 +4,9 @@
 
 namespace epafi {
 
-/// As files name it: "1.0.0".
+/// Version as written to files: "1.0.0".
 [[nodiscard]] const char* version();
-/// What `epafi --version` prints: version, licence, and the parts under another one.
+/// Text of `epafi --version`: version, licence, and parts under other licences.
 [[nodiscard]] std::string version_text();
 
 }  // namespace epafi

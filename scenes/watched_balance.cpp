@@ -10,11 +10,14 @@ namespace {
 constexpr double warning_share = 1e-2;  // of the energy exchanged: a warning
 // of the reference energy: ends the run where the scene sets no bound of its own
 constexpr double ending_share = 0.5;
-constexpr double booked_share = 0.05;   // of the energy exchanged: less is an error of bookkeeping, however long it ran
-constexpr double widest_band = 7.5e-3;  // of the reference energy: 40 steps in a swing of a spring, and a fifth more
-// steps: the first touch of a scene at rest errs by all of an energy that is nothing yet
+constexpr double booked_share =
+    0.05;  // of the energy exchanged: a smaller error is one of bookkeeping, however long the run
+constexpr double widest_band =
+    7.5e-3;  // of the reference energy: the oscillation at 40 steps per period of a spring, plus a fifth
+// steps: at the first contact of a scene at rest the energy is so small that the relative error is large
 constexpr double passing = 40;
-constexpr double noise_per_residual = 1e3;  // velocities of a stack of 30 err by 30 times what its residual says
+constexpr double noise_per_residual =
+    1e3;  // velocity errors of a stack of 30 are 30 times those that the residual suggests
 }  // namespace
 
 void WatchedBalance::Swings::follow(double value, double band) {
@@ -43,15 +46,14 @@ void WatchedBalance::note(const StepReport& report) {
   state_.noise += share * report.servo_energy;
 }
 
-/// Of smooth contact: what bodies that are found a rounding of their positions apart have moved with, once in every
-/// step, as a dashpot between them goes on to take it [J].
+/// Noise of smooth contact: the kinetic energy of one rounding of positions per step, which dashpots dissipate [J].
 double WatchedBalance::rounding_energy(const StepView& view) const {
   const BodyTotals all = view.totals();
   const double speed = std::numeric_limits<double>::epsilon() * all.farthest / view.dt;
   return 0.5 * static_cast<double>(view.step) * all.mass.value() * speed * speed;
 }
 
-/// E_ref of the checks [J]. The spread is that of the bodies' motion: where some come or go the potential energy jumps.
+/// Reference energy [J]. Jumps of the potential energy by added or removed bodies do not widen its spread.
 double WatchedBalance::reference(const StepView& view) {
   const Energy& now = view.ledger.last();
   const double bodies = static_cast<double>(view.world.size());
@@ -102,7 +104,7 @@ void WatchedBalance::judge(const StepView& view, double known) {
     const double least = std::numeric_limits<double>::min(), all = std::max(known + noise, least);
     exchanged = all + state_.put_in.fallen();
     f.net = net * known / all;
-    // after a long time bookkeeping that is off by a percent is as much as all that is stored
+    // in long runs a bookkeeping error of one percent of the dissipation can exceed the stored energy
     const double open = std::abs(unexplained) * known, of_all = open / exchanged;
     f.wide = std::max(of_all > booked_share ? open / all : of_all, f.put_in / exchanged);
     f.share = std::max({std::abs(f.net), f.gained / exchanged, f.lost / exchanged});

@@ -1,5 +1,5 @@
-/// @file ball_pairs.h  Pairs of bodies that consist of balls, ball by ball, in PairList::spheres. While a list of
-/// bodies lasts no point of a body moves by more than half the body's margin: a list of balls by the bodies' margins
+/// @file ball_pairs.h  Pairs of the balls of clumps and held spheres, in PairList::spheres. While a list of bodies is
+/// valid no point of a body moves by more than half the body's margin, so a list of balls with the bodies' margins
 /// lasts as long.
 #pragma once
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace epafi {
 
-/// Of all bodies that have the role, in the order of their places.
+/// Balls of all bodies with a role, in the order of their slots.
 std::vector<BodyBall> find_balls(const World& world, const ShapeStore& shapes, const SphereRoles& roles);
 
 class BallPairs {
@@ -32,7 +32,7 @@ class BallPairs {
     Slot place;
     std::uint32_t image;
   };
-  /// What all of these read.
+  /// Input of all these calls.
   struct Call {
     const World& world;
     const BroadSetup& setup;

@@ -1,7 +1,7 @@
-/// @file broad_phase.h  What all broad phases share: fat bodies, the test when the list is outdated, the canonical list
-/// (Verlet 1967). A method only hands over candidates. The list is a function of the fat boxes, not of the method.
-/// Contacts do not depend on the list's age: a pair with gap < reach is always listed. Hence nothing is saved in
-/// `visit` and any restart gives the same bits.
+/// @file broad_phase.h  Base of all broad phases: fat bodies, the test whether the list is outdated, the canonical list
+/// (Verlet 1967). A method only provides candidates; the list depends on the fat boxes, not on the method. Contacts do
+/// not depend on the list's age, since a pair with gap < reach is always listed. So `visit` saves nothing, and a
+/// restart gives the same bits.
 #pragma once
 #include "detection/broad/ball_pairs.h"
 #include "detection/broad/fat_bodies.h"
@@ -18,24 +18,24 @@ class ListBroadPhase : public BroadPhase {
 
   void find_pairs(const World& world, PairList& pairs) final;
   bool keeps_pairs(const World& world) final;
-  /// Of a list that was not kept.
+  /// After keeps_pairs() returned false: true where slow bodies ended the list.
   bool used_up_by_slow() const { return used_up_by_slow_; }
-  /// Adds the pairs of bodies that entered since, in slots after the others, to a list that is valid for the others:
-  /// tests each of them against every body. False, and nothing has changed, where a new list is needed.
+  /// Adds the pairs of bodies that entered since, in slots after the others, to a list that is valid for the others, by
+  /// tests against every body. Returns false, without changes, if a new list is needed.
   bool take_in(const World& world, PairList& pairs);
-  /// Builds the list anew whatever bodies() says of it.
+  /// Builds the list anew, outdated or not.
   void renew_pairs(const World& world, PairList& pairs, bool used_up_by_slow);
-  /// The time has come to `now`: of steps in which neither of both is called.
+  /// Sets the time after steps without calls of the two functions above.
   void see_time(double now);
-  /// The next call builds anew: the list names slots.
+  /// The next call builds the list anew, since it contains slots.
   void reorder(const Reordering&) override { valid_ = known_ = false; }
-  void visit(StateVisitor&) override { known_ = false; }  ///< it may be another state that comes in
+  void visit(StateVisitor&) override { known_ = false; }  ///< the loaded state may differ
   const FatBodies& bodies() const { return bodies_; }
 
  protected:
-  /// Hands every ordinary body and its candidates to the collector.
+  /// Passes every ordinary body and its candidates to the collector.
   virtual void collect(const FatBodies& bodies, PairCollector& collector) = 0;
-  /// Within collect: what was kept by slot is void. Slots of images name others in every list.
+  /// Within collect: data by slot are invalid. Slots of images differ in every list.
   bool slots_changed() const { return !valid_ || !bodies_.images.empty(); }
 
  private:
@@ -47,7 +47,7 @@ class ListBroadPhase : public BroadPhase {
   BallPairs balls_;
   PairColumn found_;  ///< with images, in a periodic cell
   bool valid_ = false;
-  bool used_up_by_slow_ = false;  ///< as the last look at all bodies says
+  bool used_up_by_slow_ = false;  ///< by the last test of all bodies
   bool known_ = false;            ///< the bodies are in the slots in which bodies_ has seen them
   double last_time_ = infinity;   ///< of the last call [s]
   double step_time_ = 0.0;        ///< dt as seen between two calls [s]; 0: not known yet

@@ -53,7 +53,7 @@ double most_of_corners(const Aabb& box, const F& f) {
   return most;
 }
 
-/// Velocity of what a deforming cell carries along at x [m/s].
+/// Flow velocity of a deforming cell at x [m/s].
 Vec3 flow_at(const World& world, const Vec3& x) {
   return world.cell ? Vec3(world.cell->strain_rate.cwiseProduct(x - world.cell->low)) : Vec3(Vec3::Zero());
 }
@@ -111,12 +111,7 @@ bool FatBodies::take_in(const World& world, const BroadSetup& setup, double step
   grow(radius);
   grow(role);
   grow(orientation);
-  ball.resize(n);
-  inverse_half_margin.resize(n);
-  slow_.resize(n);
-  id.resize(n);
-  type.resize(n);
-  immovable.resize(n);
+  resize_columns(n);
   for (std::size_t i = old; i < n; ++i) {
     const auto s = static_cast<Slot>(i);
     id[i] = static_cast<std::uint32_t>(world.id[s]);
@@ -132,18 +127,23 @@ bool FatBodies::take_in(const World& world, const BroadSetup& setup, double step
   return true;
 }
 
+/// The columns that every list has.
+void FatBodies::resize_columns(std::size_t n) {
+  ball.resize(n);
+  inverse_half_margin.resize(n);
+  slow_.resize(n);
+  id.resize(n);
+  type.resize(n);
+  immovable.resize(n);
+}
+
 void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
   const std::size_t n = world.size();
   static_assert(AllShapes::size <= 256);
   ball.clear();  // no more than that: a large page is taken as a whole
   ball.reserve(n);
-  ball.resize(n);
-  inverse_half_margin.resize(n);
-  slow_.resize(n);
-  // with images pairs of spheres are told from the others once they are named
-  id.resize(n);
-  type.resize(n);
-  immovable.resize(n);
+  resize_columns(n);
+  // with images, pairs of spheres are separated from the others after they are named
   role.resize(setup.spheres.wanted && !world.cell ? n : 0);
   parallel_for(n, [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
@@ -167,7 +167,7 @@ void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
                                    [&](std::size_t i) { return is_sphere(i) || is_half_space(i) ? 0.0 : radius[i]; });
 }
 
-/// Of the bodies that move, in radii a step, beside the common_motion.
+/// Mean motion of the moving bodies relative to the common motion, in radii a step.
 double FatBodies::mean_motion(const World& world, const BroadSetup& setup, double step_time) const {
   const Sum3 sum = block_sum<Sum3>(world.size(), [&](std::size_t i) {
     const double r = radius_of(world, *setup.shapes, i);
@@ -178,7 +178,7 @@ double FatBodies::mean_motion(const World& world, const BroadSetup& setup, doubl
   return sum.b > 0.0 ? sum.a / sum.b : 0.0;
 }
 
-/// Returns how many steps the list shall last. since: the last update [s].
+/// Returns the intended lifetime of the list in steps. since: time since the last update [s].
 double FatBodies::choose_list_steps(const World& world, const BroadSetup& setup, double step_time, double since) {
   // A list that lasts K steps costs rebuild/K + K * (pairs that the margin adds): K = 1.6/sqrt(e), e the mean motion
   // per step in radii; perf/broad.cpp shows the minimum to be flat within a factor of two. Slow bodies keep their least
@@ -209,7 +209,7 @@ double FatBodies::choose_list_steps(const World& world, const BroadSetup& setup,
   return steps;
 }
 
-/// steps: how long the list of the fast ones shall last.
+/// steps: intended lifetime of the list for fast bodies.
 double FatBodies::margin_of(const World& world, Slot s, const BroadSetup& setup, double step_time, double steps) const {
   if (setup.margin > 0.0) return setup.margin;
   const double radius = radius_of(world, *setup.shapes, s);
@@ -224,8 +224,8 @@ double FatBodies::margin_of(const World& world, Slot s, const BroadSetup& setup,
   return std::clamp(wanted, least_share_ * std::min(radius, small), most_margin_ * radius);
 }
 
-/// One body that flies off would ask for a list every few steps, which costs all others five times as much: where few
-/// are that fast they get the margin that they want, however large.
+/// A single fast body would need a new list every few steps, at five times the cost for all others. If few bodies are
+/// that fast, they get as large a margin as they need.
 void FatBodies::see_strays(const World& world, const BroadSetup& setup, double step_time, double steps) {
   most_margin_ = most_stray_margin;
   const auto is_swift = [&](std::size_t i) {
@@ -240,7 +240,7 @@ void FatBodies::see_strays(const World& world, const BroadSetup& setup, double s
   if (!few) most_margin_ = most_margin;
 }
 
-/// By how much the exact bound of a body grows on every side [m].
+/// Enlargement of the exact bound of a body on every side [m].
 double FatBodies::fattening(const World& world, Slot s, const BroadSetup& setup, double margin) {
   // four units in the last place of the coordinate: far from the origin the box itself is rounded
   return 0.5 * (setup.reach + margin) + 0x1p-50 * world.position[s].cwiseAbs().maxCoeff();
@@ -286,7 +286,7 @@ void FatBodies::fatten(const World& world, const BroadSetup& setup, double step_
 }
 
 void FatBodies::set_apart(const World& world, const ShapeStore& shapes, bool same_bodies) {
-  // a body that is nowhere has no neighbours: whoever watches the state reports it
+  // a body at a position that is not finite has no neighbours; the checks of the state report it
   const auto is_somewhere = [&](std::size_t s) { return position(s).allFinite() && half_of(s) >= 0.0; };
   const bool all = block_max<char>(size(), 0, [&](std::size_t s) { return static_cast<char>(!is_somewhere(s)); }) == 0;
   for (std::vector<Slot>* const list : {&ordinary, &apart})  // images stood behind the bodies
@@ -322,8 +322,8 @@ void FatBodies::set_planes(const World& world, const BroadSetup& setup, double s
   }
 }
 
-/// Its surface has moved by more than half its margin. A turn by t moves a point at R by 2 R sin(t/2) <= 2 R |q - q0|,
-/// as |q - q0| = 2 sin(t/4).
+/// True if its surface has moved by more than half its margin. A rotation by t moves a point at R by 2 R sin(t/2) <= 2
+/// R |q - q0|, since |q - q0| = 2 sin(t/4).
 inline bool FatBodies::is_beyond(const World& world, std::size_t i, bool rotates, const ListFrame& now) const {
   if (is_loose_plane(i)) return false;  // plane_use says it
   const double moved = now.growth() * displacement(i, now.back(world.position[i]));
@@ -364,10 +364,10 @@ double FatBodies::largest_margin(std::size_t first) const {
 }
 
 // --- half-spaces that move: the distance of a point from a plane changes by an affine function of the point, so its
-// extremes over a box are at the corners. A plane that turns sweeps far away at any speed, but lists only know bodies
-// that are somewhere.
+// extremes over a box are at the corners. A rotating plane moves at any speed far away, but only the box around the
+// bodies matters.
 
-/// Finds the box of the free bodies: all of them but those that are far off, which every such half-space lists.
+/// Finds the box of the free bodies, except distant ones, which every such half-space lists.
 void FatBodies::look_around(const World& world, const ShapeStore& shapes) {
   const auto counts = [&](std::size_t i) {
     return !immovable[i] && world.position[i].allFinite() && std::isfinite(shapes.bounding_radius({world.shape[i]}));
@@ -401,7 +401,7 @@ void FatBodies::look_around(const World& world, const ShapeStore& shapes) {
            }).all;
 }
 
-/// At which it may come nearer to a body that moves with the common_motion, or flees from it [m/s].
+/// Largest speed of approach or retreat relative to a body that follows the common motion [m/s].
 double FatBodies::plane_speed(const World& world, Slot s, const ShapeStore& shapes, const Vec3& common_motion) const {
   if (!is_loose_plane(s)) return world.velocity[s].norm() + common_motion.norm();
   const Vec3 n = world.pose(s).orientation * shapes.of<HalfSpace>()[ShapeRef{world.shape[s]}.index()].normal;

@@ -1,11 +1,11 @@
-/// @file fat_bodies.h  What a broad phase sees of the bodies: boxes and balls fattened so that the pair list lasts for
-/// many steps. Fat means the exact bound plus (reach + margin)/2 on every side, the margin being the body's own. Two
-/// bodies are near when their fat boxes AND their fat bounding balls overlap; every method lists the near pairs, so all
-/// lists are the same. Displacements are relative to the common motion (engine/step/common_motion.h): in any frame two
+/// @file fat_bodies.h  Bounding volumes of a broad phase: boxes and balls enlarged so that the pair list lasts for many
+/// steps. A fat volume is the exact bound plus (reach + margin)/2 on every side; each body has its own margin. Two
+/// bodies are near if their fat boxes AND their fat bounding balls overlap. Every method lists the near pairs, so all
+/// lists are equal. Displacements are relative to the common motion (engine/step/common_motion.h): in any frame two
 /// bodies approach by at most the sum of their displacements, and 20 000 spheres that fall into a hopper need half as
-/// many lists (17.5 to 10.9 ns a step). A half-space uses its margin by how much it has approached the positions of the
-/// bodies, whatever its own point does. In a periodic cell images follow the bodies
-/// (detection/broad/periodic_pairs.h), with the margins of their bodies.
+/// many lists (10.9 instead of 17.5 ns a step). The margin of a half-space is used up by its approach to the positions
+/// of the bodies. In a periodic cell the columns continue with images (detection/broad/periodic_pairs.h), which have
+/// the margins of their bodies.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -23,20 +23,20 @@
 
 namespace epafi {
 
-/// Which pairs can ever touch. Pairs of two immovable bodies never do.
+/// Pairs of shapes that can touch. Pairs of two immovable bodies never do.
 struct PairFilter {
   /// types * types flags [type_a * types + type_b]: a cell of the pair table exists; empty: all do.
   std::vector<char> has_cell;
   bool allows(std::uint32_t a, std::uint32_t b) const { return has_cell.empty() || has_cell[a * AllShapes::size + b]; }
 };
 
-/// What every broad phase is made from.
+/// Settings of every broad phase.
 struct BroadSetup {
   const ShapeStore* shapes = nullptr;
-  double reach = 0.0;   ///< pairs whose gap may become smaller than this are wanted [m], >= 0
-  double margin = 0.0;  ///< one margin for all bodies [m]; <= 0: each body its own, from its size and motion
+  double reach = 0.0;   ///< lists pairs whose gap may become smaller than this [m], >= 0
+  double margin = 0.0;  ///< margin of all bodies [m]; <= 0: chosen for each body from size and motion
   PairFilter filter{};
-  SphereRoles spheres{};  ///< which pairs are listed apart from the others
+  SphereRoles spheres{};  ///< which pairs go to PairList::spheres
   bool strays = true;     ///< the few fastest bodies may have margins of many radii; not in a periodic cell
 };
 
@@ -49,19 +49,19 @@ struct Ball {
   }
 };
 
-/// What a body is tested against where apart[k] is a half-space.
+/// Plane of apart[k] if that is a half-space.
 struct ApartPlane {
   Vec3 normal = Vec3::Zero();  ///< world axes; zero where it is none
   Vec3 point = Vec3::Zero();
-  double reach = 0.0;    ///< its own fattening [m]
-  Slot place = no_slot;  ///< of that role: as SpherePairs lists it
+  double reach = 0.0;    ///< its enlargement [m]
+  Slot place = no_slot;  ///< if it has the role of a plane: its place in SpherePairs
   bool loose = false;    ///< it may move: bodies outside FatBodies::around are always near it
   bool is_plane() const { return normal.squaredNorm() > 0.0; }
 };
 
-/// Whether a list is outdated.
+/// State of a list: whether it is outdated.
 struct ListState {
-  bool out = false, by_slow = false;  ///< by_slow: a slow body, which has the least margin, has used it up
+  bool out = false, by_slow = false;  ///< by_slow: a slow body (with the least margin) has used up its margin
   void see(bool beyond, bool slow) {
     out = out || beyond;
     by_slow = by_slow || (beyond && slow);
@@ -77,62 +77,62 @@ struct ListState {
 struct MarginUse {
   double most = 0.0;
   ListState used_up{};
-  /// limit: above it the list is used up.
+  /// limit: use of a margin above which the list is used up.
   void see(double used_margin, bool slow, double limit) {
     most = std::max(most, used_margin);
     used_up.see(used_margin > limit, slow);
   }
 };
 
-/// Of the median radius: above, one box test per body is cheaper than one more grid level.
+/// Ratio to the median radius above which one box test per body is cheaper than one more grid level.
 inline constexpr double giant_ratio = 16.0;
 
-/// Of the shapes of some thousand bodies [m]; decides only which bodies are giants and which margins are large.
+/// Median bounding radius of some thousand bodies [m]; affects only which bodies are giants and which margins are
+/// large.
 double median_radius(const World& world, const ShapeStore& shapes);
-/// Bounding radius above which bodies are tested one by one against all others [m]; radius(s): of bodies 0 to count.
+/// Bounding radius above which bodies are tested one by one against all others [m]; radius(s): that of body s < count.
 double largest_ordinary(std::size_t count, double median, const std::function<double(std::size_t)>& radius);
 
-/// Bounding columns by slot, and the state they were taken from.
+/// Bounding volumes by slot, and the state at their update.
 struct FatBodies {
   FatBodies();
-  std::vector<Aabb> boxes;     ///< fat, world axes [m]; empty where all are spheres and half-spaces: their balls say it
-  UnwrittenColumn<Ball> ball;  ///< fat, about the centre of mass [m]; behind the bodies those of images
+  std::vector<Aabb> boxes;     ///< fat, world axes [m]; empty if all are spheres and half-spaces (balls suffice)
+  UnwrittenColumn<Ball> ball;  ///< fat, about the centre of mass [m]; bodies, then images
   std::vector<double> half;    ///< as half_of; with boxes
   std::vector<double> radius;  ///< bounding radius of the shape [m], infinite for half-spaces; with boxes
-  std::vector<float> inverse_half_margin;  ///< reciprocal of half the margin, rounded up [1/m]; of 0:
-                                           ///< largest_inverse_half_margin; no images
+  std::vector<float> inverse_half_margin;  ///< rounded up [1/m]; at most largest_inverse_half_margin; without images
   std::vector<CellImage> images;           ///< of bodies, in a periodic cell
   std::vector<std::uint32_t> id;
   std::vector<std::uint8_t> type;
   std::vector<char> immovable;
   std::vector<SphereRole> role;     ///< with setup.spheres.wanted
-  std::vector<Quat> orientation;    ///< when the boxes were taken, in worlds that rotate
+  std::vector<Quat> orientation;    ///< at the last update, in worlds that rotate
   std::vector<Slot> ordinary;       ///< bounded bodies, ascending
-  std::vector<Slot> apart;          ///< unbounded ones and a few giants, ascending: tested one by one against all
+  std::vector<Slot> apart;          ///< unbounded bodies and a few giants, ascending: tested one by one against all
   std::vector<ApartPlane> plane;    ///< of apart[k]
-  std::vector<Slot> sphere_planes;  ///< half-spaces of that role, ascending
-  Aabb around;                      ///< centres of all free bodies but strays, where half-spaces may move [m]
-  bool only_spheres = false;        ///< every pair is one of PairList::spheres
-  bool ordered_spheres = false;     ///< all ordinary bodies are such spheres, and none apart is
+  std::vector<Slot> sphere_planes;  ///< half-spaces with the role of a plane, ascending
+  Aabb around;                ///< box around the centres of all free bodies except strays, if half-spaces may move [m]
+  bool only_spheres = false;  ///< every pair is one of PairList::spheres
+  bool ordered_spheres = false;  ///< all ordinary bodies are such spheres, and no body in `apart` is
 
   std::size_t bodies() const { return inverse_half_margin.size(); }
-  /// With images.
+  /// Number of bodies and images.
   std::size_t size() const { return inverse_half_margin.size() + images.size(); }
-  /// Fat, world axes [m].
+  /// Fat box, world axes [m].
   Aabb box(std::size_t i) const {
     return boxes.empty() ? Aabb{position(i) - Vec3::Constant(ball[i].r), position(i) + Vec3::Constant(ball[i].r)}
                          : boxes[i];
   }
   /// When the boxes were taken [m].
   Vec3 position(std::size_t i) const { return {ball[i].x, ball[i].y, ball[i].z}; }
-  /// Of what a rotation moves [m]: 0 for spheres.
+  /// Radius of the part that a rotation moves [m]: 0 for spheres.
   double turning_radius(std::size_t i) const { return is_sphere(i) ? 0.0 : round_ ? infinity : radius[i]; }
   /// Largest distance from the centre to a face of the fat box [m].
   double half_of(std::size_t i) const { return half.empty() ? ball[i].r : half[i]; }
   bool near(Slot i, Slot j) const {
     return ball[i].overlaps(ball[j]) && (boxes.empty() || boxes[i].overlaps(boxes[j]));
   }
-  /// The fat body reaches the fattened half-space.
+  /// True if the fat body reaches the enlarged half-space.
   bool near_plane(Slot i, const ApartPlane& p) const {
     if (p.loose && !is_around(position(i))) return true;
     const double depth = p.normal.dot(position(i) - p.point) - ball[i].r;
@@ -144,18 +144,18 @@ struct FatBodies {
            (id[i] < id[j] ? filter.allows(type[i], type[j]) : filter.allows(type[j], type[i]));
   }
 
-  /// Takes everything from the world; step_time is dt [s] where it is known, else 0 (margins from sizes alone).
-  /// same_bodies: in the same slots as at the last call. With images, where the world has a cell.
+  /// Computes all columns. step_time: dt [s] if known, else 0 (margins from sizes alone). same_bodies: slots are those
+  /// of the last call. Includes images if the world has a cell.
   void update(const World& world, const BroadSetup& setup, double step_time, bool same_bodies);
-  /// Bodies that came since, in slots behind the others, take their places in the frame of the last update. False, and
-  /// nothing has changed, where the columns cannot take them: the next update can.
+  /// Adds bodies that entered since, in slots after the others, in the frame of the last update. Returns false, without
+  /// changes, if that is not possible; the next update adds them.
   bool take_in(const World& world, const BroadSetup& setup, double step_time);
-  /// The list is used_up: how long it lasted says how large the margins of slow bodies ought to be. Before update.
+  /// Adapts the margins of slow bodies to the lifetime of a list that is used up. Call it before update.
   void learn(const World& world, double step_time, bool used_up_by_slow);
-  /// Whether some body has moved by more than half its margin, and a slow one too.
+  /// Tests whether some body, or some slow one, has moved by more than half its margin.
   ListState used_up(const World& world) const;
-  /// Of spheres, or bodies that stay: at(s) says where slot s of [begin, end) is now. Half-spaces that may move are
-  /// left out.
+  /// Use of margins by slots [begin, end), for spheres or resting bodies; at(s): position of slot s now. Excludes
+  /// half-spaces that may move.
   template <class At>
   MarginUse used_margin(std::size_t begin, std::size_t end, const At& at, const ListFrame& now,
                         double limit = 1.0) const {
@@ -167,18 +167,17 @@ struct FatBodies {
                  slow_[s] != 0, limit);
     return most;
   }
-  /// How much nearer the half-spaces that may move have come to where the bodies are, over half their margins: the
-  /// largest.
+  /// Largest approach of the movable half-spaces to the positions of bodies, over half their margins.
   double plane_use(const World& world, const ListFrame& now) const;
-  /// Since the last update.
+  /// Motion of the list's frame since the last update.
   ListFrame frame(const World& world) const;
-  /// Some bounded body is fixed or driven: a cell that deforms flows past it.
+  /// True if some bounded body is fixed or driven: a deforming cell flows past it.
   bool holds_bounded() const { return holds_bounded_; }
-  /// Of the bodies from slot `first` on.
+  /// Largest margin of the bodies from slot `first` on [m].
   double largest_margin(std::size_t first = 0) const;
-  /// All are spheres and half-spaces: used_margin and plane_use hold all of their displacements.
+  /// True if all are spheres and half-spaces, so that used_margin and plane_use cover all displacements.
   bool are_round() const { return round_; }
-  /// From `now` on: the frame in which margins hold.
+  /// The common motion from time `now` on.
   CommonMotion common_motion(double now) const {
     return {common_motion_.velocity_at(now - taken_at_), common_motion_.acceleration};
   }
@@ -191,17 +190,17 @@ struct FatBodies {
   Vec3 mean_velocity_ = Vec3::Zero();  ///< of the bodies that move, at the last update [m/s]
   bool knows_mean_ = false;
   double taken_at_ = 0.0;      ///< time of the last update [s]
-  double steps_ = 0.0;         ///< how long the list of fast bodies was to last then
+  double steps_ = 0.0;         ///< intended lifetime of the list for fast bodies, in steps
   bool round_ = false;         ///< all are spheres and half-spaces
-  bool complete_ = false;      ///< no body is left out of `ordinary` and `apart`
+  bool complete_ = false;      ///< every body is in `ordinary` or `apart`
   std::vector<char> slow_;     ///< has the least margin of its size
   bool loose_planes_ = false;  ///< some half-space may move
   bool holds_bounded_ = false;
-  double most_radius_ = 0.0;              ///< of bodies that are no spheres [m]
+  double most_radius_ = 0.0;              ///< largest radius of bodies other than spheres [m]
   double strain_over_half_margin_ = 0.0;  ///< largest fat radius over half its margin, in a periodic cell
   Vec3 cell_size_ = Vec3::Ones();         ///< at the last update [m]
   bool is_half_space(std::size_t i) const { return type[i] == ShapeStore::type_of<HalfSpace>(); }
-  /// A surface of revolution: a turn about its own axis moves nothing.
+  /// A surface of revolution: rotation about its own axis moves nothing.
   bool is_hollow(std::size_t i) const {
     return type[i] == ShapeStore::type_of<Tube>() || type[i] == ShapeStore::type_of<Cone>();
   }
@@ -215,6 +214,7 @@ struct FatBodies {
   double radius_of(const World& world, const ShapeStore& shapes, std::size_t i) const {
     return round_ ? shapes.bounding_radius({world.shape[i]}) : radius[i];
   }
+  void resize_columns(std::size_t n);
   void read_shapes(const World& world, const BroadSetup& setup);
   static constexpr float largest_inverse_half_margin = 1e37f;
   double displacement(std::size_t i, const Vec3& x) const { return (x - position(i)).norm(); }

@@ -1,7 +1,7 @@
-/// @file pair_collector.h  Gathers the near pairs that a method finds, in any order and from any thread, into the
-/// canonical list. A method hands over each ordinary body once with its candidates. Pairs whose A it is form a run of
-/// their own; the others are counted into place by A. The list depends on the set of pairs alone, so it is the same
-/// bits for every thread count.
+/// @file pair_collector.h  Collects the near pairs of a method, in any order and from any thread, in the canonical
+/// list. A method passes each ordinary body once with its candidates. Pairs with this body as A form a run; the others
+/// are sorted by A (counting sort). The list depends only on the set of pairs, so its bits are the same for every
+/// thread count.
 #pragma once
 #include "detection/broad/fat_bodies.h"
 #include "engine/lanes/lanes.h"

@@ -17,7 +17,7 @@ struct FatRegion {
   }
 };
 
-/// Of two directions that are opposite to each other one is the first.
+/// Selects one of two opposite directions.
 bool is_first(int x, int y, int z) { return x != 0 ? x > 0 : y != 0 ? y > 0 : z > 0; }
 
 /// f(x, y, z) of all images of a box that meet the region.

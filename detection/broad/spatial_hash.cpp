@@ -18,7 +18,7 @@ constexpr std::uint32_t most_lanes = 16;
 constexpr float above = 1.0f + 0x1p-20f, below = 1.0f - 0x1p-20f;  // sums and differences of floats are rounded
 constexpr double most_cells = 1e15;                                // along an axis
 
-/// Takes those of [first, last) out whose balls do not meet this one; how many they were.
+/// Removes those of [first, last) whose balls do not overlap this one; returns their number.
 std::size_t drop_apart(const Ball& ball, const FatBodies& bodies, Slot* first, Slot* last) {
   return static_cast<std::size_t>(last -
                                   std::remove_if(first, last, [&](Slot s) { return !ball.overlaps(bodies.ball[s]); }));

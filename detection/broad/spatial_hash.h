@@ -61,7 +61,7 @@ class SpatialHash final : public ListBroadPhase {
   template <int n>
   std::size_t search(const Level& level, const Ball& ball, double half, std::uint32_t first, const FatBodies& bodies,
                      std::vector<Slot>& found, std::size_t count) const;
-  /// Of a place in the sorted columns.
+  /// Level of a row of the sorted columns.
   std::size_t level_at(std::size_t place) const {
     std::size_t l = 0;
     while (l + 1 < levels_ && place >= level_[l + 1].first) ++l;

@@ -17,7 +17,7 @@ enum class SphereRole : std::uint8_t {
   plane
 };
 
-/// Of a scene whose contact model takes such pairs.
+/// Bodies whose pairs of spheres the contact model of a scene takes.
 struct SphereRoles {
   bool wanted = false;
   std::vector<bool> fixed{};  ///< by body id: bodies that never move; ids beyond it are free

@@ -67,10 +67,11 @@ void SweepAndPrune::make_rows(const FatBodies& bodies) {
       block_max<double>(n, 0.0, [&](std::size_t k) { return bodies.box(interval_[k].slot).max[across_] - low(k); });
   const double first = -block_max<double>(n, -infinity, [&](std::size_t k) { return -low(k); });
   const double last = block_max<double>(n, -infinity, low);
-  // As wide as the widest body: who is near lies in the same row or in one beside it. Rows beyond n hold nothing.
+  // Rows are as wide as the widest body, so near bodies are in the same or a neighbouring row. More rows than n are
+  // useless.
   double width = std::max(1.000001 * widest, (last - first) / static_cast<double>(n + 1));
-  // In a row one meets who begins within one's own interval, in the row beside who may reach it as well, however long
-  // the longest is: a few boulders in dust make rows dearer than none (530 ns a body and step for 55).
+  // Within a row candidates begin inside the body's interval; in a neighbouring row all that may reach it count, up to
+  // the longest interval: a few boulders in dust make rows slower than none (530 instead of 55 ns a body and step).
   const double mean =
       block_sum<double>(n, [&](std::size_t k) { return interval_[k].max - interval_[k].min; }) / static_cast<double>(n);
   if (!((2.0 * mean + longest_) * width < mean * (last - first))) width = 0.0;

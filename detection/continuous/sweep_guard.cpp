@@ -54,7 +54,7 @@ Vec3 turn_between(const Quat& from, const Quat& to) {
                                          : Vec3(turn.axis() * turn.angle());
 }
 
-/// The way of a body that was not remembered: back along its velocities.
+/// Path of a body without stored position: back along its velocities.
 BodyPath way_of(const World& world, Slot s, double duration) {
   const Pose now = world.pose(s);
   BodyPath path{now, duration * world.velocity[s], Vec3::Zero()};
@@ -81,7 +81,7 @@ double share_near_wall(const HollowWall& wall, const BodyPath& ball, const BodyP
   return share;
 }
 
-/// Where a ball that goes deeper than allowed first touches; above 1: it does not.
+/// Share of the path at which a ball that goes too deep first touches; above 1: it does not.
 double share_at_wall(const HollowWall& wall, const BodyPath& ball, const BodyPath& way, double radius) {
   const double deep = (1.0 - tenth) * radius, share = share_near_wall(wall, ball, way, deep);
   if (share > 1.0) return share;
@@ -100,12 +100,12 @@ const HollowWall* hollow_wall(const ShapeStore& shapes, ShapeRef ref) {
   });
 }
 
-/// Begins deeper than allowed and does not go deeper: nothing passes, what holds it is the contact's.
+/// True if it starts too deep and does not go deeper: the contact handles it.
 bool comes_out(const Impact& deep, const BodyPath& a, const BodyPath& b) {
   return deep.share == 0.0 && deep.normal.dot(a.travel - b.travel) <= 0.0;
 }
 
-/// Sphere about the middle of a way that holds the body at all times.
+/// Sphere around the whole path of a body.
 struct SweptBall {
   Vec3 centre;
   double radius;

@@ -21,7 +21,7 @@ bool add_place(std::vector<PatchPoint>& places, const Vec3& place, double gap, s
   return true;
 }
 
-/// The corners below the surface that the places lie on: into `kept`, if all of them and the deepest place are there.
+/// Puts the corners below the surface into `kept`, if all of them and the deepest point touch.
 bool keep_corners_below(std::span<const PatchPoint> places, const Vec3& normal, const OutlineCorners& outline,
                         double near, std::vector<PatchPoint>& kept) {
   kept.clear();

@@ -1,8 +1,7 @@
-/// @file few_points.h  On what points a rigid body rests on a surface, of however many parts or walls that consists.
-/// Under springs on the corners of its outline that lie below the surface, if all of them touch it: they stay the same
-/// as it turns, so the springs have a potential. Else, of the points with one normal that touch, on those that
-/// keep_four takes (manifold.h): the deepest, and those that span the largest area with it. Of points in one place one
-/// remains.
+/// @file few_points.h  Selects the contact points of a rigid body on a surface of several parts or walls. Smooth laws:
+/// the corners of its convex hull that lie below the surface, if all of them touch it; they stay the same as the body
+/// rotates, so their springs have a potential. Else, of touching points with one normal, those of keep_four
+/// (manifold.h): the deepest, and those that span the largest area with it. Of coincident points one is kept.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -70,7 +70,7 @@ void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& 
   find_memory(memory);
 }
 
-/// Blocks get what the list before the last left in exchange: room for the next one.
+/// Blocks get the memory of the list before the last in exchange, as capacity for the next one.
 void BatchNarrowPhase::keep_memory() {
   if (std::exchange(restored_, false)) return;
   if (!known_) return old_.clear();  // slots were renamed
@@ -81,7 +81,7 @@ void BatchNarrowPhase::keep_memory() {
   old_.resize(kept);
 }
 
-/// Both lists are sorted: one merge. Each pair is in one block of either list, so what it remembers moves.
+/// Both lists are sorted, so one merge suffices. Each pair is in one block of either list, so its memory is moved.
 void BatchNarrowPhase::find_memory(Memory& memory) {
   if (memory.known.empty()) return;
   const Pair first = memory.known.front().pair;
@@ -162,7 +162,7 @@ void BatchNarrowPhase::join(ContactSet& out) {
       1);
 }
 
-void BatchNarrowPhase::foresee_motion(const World& world) {
+void BatchNarrowPhase::predict_motion(const World& world) {
   if (!(seconds_ > 0.0)) return;
   motion_.resize(world.size());
   parallel_for(world.size(), [&](std::size_t s) {
@@ -175,7 +175,7 @@ void BatchNarrowPhase::foresee_motion(const World& world) {
 
 void BatchNarrowPhase::collide(const World& world, const PairList& list, ContactSet& contacts) {
   const std::size_t n = list.pairs.size();
-  foresee_motion(world);
+  predict_motion(world);
   const bool fresh = !known_ || generation_ != list.generation || pairs_ != n;
   if (fresh) {
     keep_memory();

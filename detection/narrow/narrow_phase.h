@@ -1,6 +1,6 @@
-/// @file narrow_phase.h  Pairs to contacts: blocks of consecutive pairs, runs of equal cells, results joined in order.
-/// Each block fills its own contact set, kept from step to step, so nothing is allocated once the scene has settled and
-/// the contacts are the same bits in the same order for every thread count.
+/// @file narrow_phase.h  Narrow phase: finds contacts in blocks of consecutive pairs, sorted by kinds of shapes, and
+/// joins them in order. Each block keeps its contact set from step to step, so a settled scene allocates nothing; bits
+/// and order of contacts are the same for every thread count.
 #pragma once
 #include "detection/narrow/pairs/pair_table.h"
 #include "engine/step/pipeline.h"
@@ -17,9 +17,9 @@ class BatchNarrowPhase : public NarrowPhase {
   BatchNarrowPhase(const ShapeStore& shapes, double reach, bool curvature, bool area = false);
   ~BatchNarrowPhase() override;
 
-  /// The reach of a pair shrinks to twice what its bodies move in `seconds`, not below `least`: at rest a pile of 1000
-  /// polyhedra has 4000 points within 0.005 of its smallest radius and 5400 within 0.02, of which 2900 carry load.
-  /// Pairs of polyhedra that hardly move keep their points without a query (resting_patch.h).
+  /// Reduces the reach of a pair to twice the motion of its bodies in `seconds` [s], at least `least` [m]: a resting
+  /// pile of 1000 polyhedra has 4000 points within 0.005 of its smallest radius and 5400 within 0.02, of which 2900
+  /// carry load. Pairs of polyhedra that hardly move keep their points without a query (resting_patch.h).
   void follow_motion(double seconds, double least) {
     seconds_ = seconds;
     least_reach_ = least;
@@ -31,9 +31,9 @@ class BatchNarrowPhase : public NarrowPhase {
   const char* name() const override { return "batches"; }
   void collide(const World& world, const PairList& pairs, ContactSet& contacts) override;
   void unite(const World& world, ContactSet& contacts) override;
-  /// Not those near no triangle of a mesh.
+  /// Discards data derived from slots.
   void reorder(const Reordering&) override { known_ = restored_ = seams_known_ = false; }
-  /// Of the resting patches; what else is remembered changes no bit.
+  /// Visits the resting patches; other memory does not affect results.
   void visit(StateVisitor& visitor) override;
 
   /// Pairs of the last step whose certified interval stayed wider than 1e-6 of their size.
@@ -51,16 +51,17 @@ class BatchNarrowPhase : public NarrowPhase {
     std::uint32_t shape_a, shape_b;
     bool operator==(const Known&) const = default;
   };
-  /// What a block's pairs remember, in their order, and whom it belongs to, to be found again in the next list.
+  /// Memory of a block's pairs, in their order, with the pairs' names to find it in the next list.
   struct Memory {
     std::vector<Known> known;
-    std::vector<PairCache> caches;                       ///< where a cell remembers; shortcuts only, so not state
+    std::vector<PairCache> caches;  ///< for kinds of pairs with memory; no state, since results do not depend on it
     std::vector<std::unique_ptr<RestingPatch>> resting;  ///< the same, where the reach follows motion
     std::vector<PartMemory> parts;                       ///< the same, where a cell has parts
   };
-  /// What is derived from the pair list lasts until its next generation; the contacts last one step.
+  /// Data derived from the pair list are valid until its next generation, the contacts for one step.
   struct Block {
-    std::vector<Pair> pairs;  ///< those of the list but bodies near no triangle of a mesh, no hollow wall
+    std::vector<Pair>
+        pairs;  ///< pairs of the list, without those far from all triangles of a mesh or from a hollow wall
     std::vector<Run> runs;
     std::vector<std::uint32_t> triangle_begin, triangles;  ///< CSR over the block's pairs; empty without meshes
     std::vector<Slot> meshes;                              ///< that the pairs touch, one after another
@@ -76,7 +77,7 @@ class BatchNarrowPhase : public NarrowPhase {
   void find_memory(Memory& memory);
   void collide_block(const World& world, Block& block);
   void join(ContactSet& contacts);
-  void foresee_motion(const World& world);
+  void predict_motion(const World& world);
 
   const ShapeStore& shapes_;
   double reach_, least_reach_ = 0.0, seconds_ = 0.0;
@@ -89,7 +90,7 @@ class BatchNarrowPhase : public NarrowPhase {
   std::size_t degenerate_ = 0;
   std::vector<Block> blocks_;
   std::vector<Slot> meshes_;      ///< of all blocks, ascending
-  std::unique_ptr<Seams> seams_;  ///< null: each wall stands for itself
+  std::unique_ptr<Seams> seams_;  ///< null: walls are not joined
   bool seams_known_ = false;      ///< which bodies have flat faces
   std::vector<Memory> old_;       ///< of the last list's blocks, in order, none empty
 };

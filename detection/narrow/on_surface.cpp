@@ -41,7 +41,7 @@ class NearestNormal {
   double most_ = std::sqrt(1.0 - facing_sine * facing_sine);
 };
 
-/// What seams ask of a shape; of one that is no wall with flat faces nothing.
+/// Properties of a shape for seams; none for shapes without flat faces.
 template <class S>
 struct Piece {
   static constexpr bool flat = false;

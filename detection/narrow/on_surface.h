@@ -1,20 +1,20 @@
-/// @file on_surface.h  Whether a point is on a wall, and whether the wall goes on beyond a plane there.
+/// @file on_surface.h  Tests whether a point is on a wall, and whether the wall extends beyond a plane there.
 #pragma once
 #include "detection/shape_store.h"
 
 namespace epafi {
 
 /// Walls with flat or straight sides: polyhedra, solids of them, cylinders, capsules, half-spaces, meshes, tubes and
-/// cones (whose curve around the axis counts as straight). Others
-/// (spheres, clumps, ellipsoids, superquadrics, rails, wheels) never are part of a seam.
+/// cones (whose curve around the axis counts as straight). Others (spheres, clumps, ellipsoids, superquadrics, rails,
+/// wheels) never form seams.
 bool has_flat_faces(const ShapeStore& shapes, ShapeRef shape);
-/// What moves freely is a wall to its neighbours by plane faces: two capsules side by side are no level surface.
+/// Free bodies form level surfaces only with plane faces; two capsules side by side do not.
 bool is_free_wall(const ShapeStore& shapes, ShapeRef shape);
 
-/// All of it lies behind the plane through any of its points and normals.
+/// True for convex shapes: the whole lies behind the plane through any of its points and normals.
 bool is_convex(const ShapeStore& shapes, ShapeRef shape);
 
-/// Of a solid of convex parts; 0 for other shapes.
+/// Number of convex parts of a solid; 0 for other shapes.
 std::size_t part_count(const ShapeStore& shapes, ShapeRef shape);
 
 /// A body, or one part of a solid.
@@ -25,21 +25,21 @@ struct WallPiece {
   std::size_t part = whole;
 };
 
-/// From the surface to `point` (world axes), 0 or less inside [m]; infinite where it is more than `near` [m]. Of a mesh
-/// only the surface counts; at the edges of a polyhedron the distance is measured across its planes.
+/// Distance of `point` (world axes) from the surface, 0 or less inside [m]; infinite if more than `near` [m]. Of a mesh
+/// only the surface counts; near edges of a polyhedron it is the largest distance from its planes.
 double distance_to(const ShapeStore& shapes, const WallPiece& piece, const Vec3& point, double near);
 
 inline bool is_on(const ShapeStore& shapes, const WallPiece& piece, const Vec3& point, double near) {
   return distance_to(shapes, piece, point, near) <= near;
 }
 
-/// Whether some of the body that is joined to `point` lies further along `normal` (unit) than `point` by more than
-/// `near` [m]: of convex bodies anything, of solids the parts on which the point is, of meshes the triangles.
+/// True where the body extends beyond `point` along `normal` (unit) by more than `near` [m]: a convex body as a whole,
+/// of solids the parts, of meshes the triangles that contain the point.
 bool goes_beyond(const ShapeStore& shapes, const WallPiece& piece, const Vec3& point, const Vec3& normal, double near);
 
-/// The normal (unit, world axes) of the flat or straight side inside of which `point` lies, by more than `near` [m]
-/// from its edges, where that is turned from `normal` by less than facing_sine; else `normal` itself. Where a body lies
-/// flat its own face may say the normal of the contact, and that leans as the body does.
+/// The normal (unit, world axes) of the flat or straight side that contains `point`, more than `near` [m] from its
+/// edges, if it differs from `normal` by less than facing_sine; else `normal` itself. The contact normal of a body that
+/// lies flat may come from its own face, which tilts with the body.
 Vec3 side_normal(const ShapeStore& shapes, const WallPiece& piece, const Vec3& point, const Vec3& normal, double near);
 
 /// A plane side of a polyhedron: where normal . x = offset from its centre, world axes.
@@ -48,7 +48,7 @@ struct PlaneSide {
   double offset = infinity;  ///< [m]; infinite: there is none
 };
 
-/// Of a wall that is a polyhedron: its side turned least from `normal` (unit), by less than facing_sine.
+/// For polyhedra: the side whose normal is nearest to `normal` (unit), within facing_sine.
 PlaneSide plane_side(const ShapeStore& shapes, const WallPiece& piece, const Vec3& normal);
 
 }  // namespace epafi

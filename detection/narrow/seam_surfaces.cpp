@@ -73,7 +73,7 @@ void Seams::rest_on_few(const World& world, ContactSet& contacts) {
   }
 }
 
-/// Of two bodies either is the wall of the other; else it is what does not move freely.
+/// Of two free bodies either is the wall of the other; else the fixed or driven one is.
 void Seams::rest_on_few(const World& world, ContactSet& contacts, std::span<const std::uint32_t> surface) {
   points_on_.clear();
   double size = infinity;
@@ -90,17 +90,17 @@ void Seams::rest_on_few(const World& world, ContactSet& contacts, std::span<cons
   const Group& first = groups_[surface.front()];
   const bool body_is_b = surface.size() > 1 && world.is_movable(first.b);
   const Slot body = first.of(body_is_b);
-  // what a contact remembers goes on at another point
+  // the memory of a contact continues at another point
   const auto wall_of = [&](std::uint32_t k) { return groups_[k].of(groups_[k].a == body); };
   const auto join_all = [&] {
     for (const std::uint32_t k : surface)
       for (const std::uint32_t m : surface) contacts.joined.push_back({body, wall_of(k), wall_of(m)});
   };
   for (OutlineCorners& o : outlines_) o.corners.clear();
-  if (!foreseen_) find_corners(world, body, Vec3::Zero(), outlines_[0]);
+  if (!predicted_) find_corners(world, body, Vec3::Zero(), outlines_[0]);
   if (springs_ && surface.size() == 1) find_corners(world, first.b, first.branch, outlines_[1]);
   outlines_[1].side = -1.0;
-  if (surface.size() > 1 && !foreseen_) {
+  if (surface.size() > 1 && !predicted_) {
     join_all();
     rest_on_tops(world, contacts, surface, size);
   }
@@ -108,8 +108,8 @@ void Seams::rest_on_few(const World& world, ContactSet& contacts, std::span<cons
   if (points_on_.size() > 1 && keep_few(points_on_, outlines, size, tolerance * size, contacts, hidden_)) join_all();
 }
 
-/// On level walls that are polyhedra a body of flat faces rests as on one plate: each pair takes the normal that gives
-/// the least depth, and few of its points, as if the other walls were not there.
+/// On level polyhedral walls a body with flat faces has the contacts with one plate. Single pairs would have the normal
+/// of least depth and few points, as if the other walls did not exist.
 void Seams::rest_on_tops(const World& world, ContactSet& contacts, std::span<const std::uint32_t> surface,
                          double size) {
   const Group& first = groups_[surface.front()];
@@ -158,7 +158,7 @@ const Seams::Top* Seams::top_under(const Vec3& place, double near) const {
   return found == tops_.end() ? nullptr : &*found;
 }
 
-/// Where one of the tops begins below another one: what is not that deep on the tops does not meet it.
+/// Depth at which one of the tops begins below another; bodies less deep do not reach it.
 bool Seams::is_in_joint(const SurfacePoint& p, double gap, double size) const {
   const Vec3 on_wall = p.place - 0.5 * gap * p.normal;
   const auto own = std::ranges::find_if(
@@ -168,8 +168,9 @@ bool Seams::is_in_joint(const SurfacePoint& p, double gap, double size) const {
                              [&](const Top& top) { return &top != &*own && is_under(top, on_wall, tolerance * size); });
 }
 
-/// What touches a plate at the tops, if all of that is over one of them and none of the pairs is deeper. A point
-/// belongs to the wall a little further in: so it has gone over to the next one before the body leaves the last.
+/// Replaces the contacts by those with a plate at the tops, if all are over one of them and none of the pairs is
+/// deeper. A point belongs to the wall slightly further in, so that it has moved to the next wall before the body
+/// leaves the last.
 bool Seams::stand_on_tops(const World& world, ContactSet& contacts, Slot body, double deepest, double size) {
   const double near = tolerance * size, further_in = 1e-3 * size;
   const Vec3 up = tops_.front().side.normal;

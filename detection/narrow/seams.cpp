@@ -62,8 +62,8 @@ Vec3 point_on(const World& world, const ContactSet& contacts, std::size_t i, boo
 
 }  // namespace
 
-void Seams::find(const World& world, bool foreseen) {
-  foreseen_ = foreseen;
+void Seams::find(const World& world, bool predicted) {
+  predicted_ = predicted;
   flat_.resize(world.size());
   convex_.resize(world.size());
   radius_.resize(world.size());
@@ -148,8 +148,8 @@ std::size_t Seams::Points::count_below(const Vec3& normal, double top) const {
   return static_cast<std::size_t>(count);
 }
 
-/// No more of a convex wall than what counts as level is above the plane in which it holds the body, and so the places
-/// where it goes on beside another wall are not either: most bodies of a pile are done with by this.
+/// A convex wall extends above the plane of its contact by no more than the level tolerance, and so do its seams with
+/// other walls. This test excludes most bodies of a pile.
 void Seams::find_level(const World& world, const ContactSet& contacts) {
   level_.entries.clear();
   level_.begin.assign(world.size() + 1, 0);
@@ -224,7 +224,7 @@ void Seams::consider(const World& world, const ContactSet& contacts, const Group
     }
 }
 
-/// Cheap: the place of a contact on the wall is farther from where it was found than the gap by no more than `level`.
+/// Cheap test: the contact point on the wall is no farther from the detected one than the gap plus `level`.
 bool Seams::may_be_near(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b,
                         std::span<const Other> others) const {
   if (others.empty()) return false;
@@ -241,7 +241,8 @@ bool Seams::has_other_near(const Candidate& c) const {
   });
 }
 
-/// The body's other contacts say with whom. A body that touches many, as a floor, feels free ones one by one.
+/// Neighbours are found from the body's other contacts. For a body that touches many, such as a floor, free ones are
+/// not joined.
 void Seams::list_others(const World& world, const ContactSet& contacts, const Group& group, bool wall_is_b) {
   const Slot wall = group.of(wall_is_b), body = group.of(!wall_is_b);
   const auto level = level_.at(body);
@@ -250,8 +251,8 @@ void Seams::list_others(const World& world, const ContactSet& contacts, const Gr
     if (&groups_[k] != &group) add_other(world, contacts, group, wall_is_b, groups_[k]);
 }
 
-/// Where the two touch, and stand still against each other if one is free: slower than a tenth of the body's speed or
-/// than a fall through what counts as level. Free bodies that are in each other share no surface.
+/// Walls that touch, and are at rest relative to each other if one is free: slower than a tenth of the body's speed or
+/// than a fall through the level tolerance. Overlapping free bodies share no surface.
 void Seams::add_other(const World& world, const ContactSet& contacts, const Group& group, bool wall_is_b,
                       const Group& held) {
   const Slot wall = group.of(wall_is_b), body = group.of(!wall_is_b);
@@ -313,7 +314,7 @@ Seams::Candidate Seams::candidate(const World& world, const ContactSet& contacts
     c.piece.part = piece.part;
     c.on_wall = true;
     const Vec3 n = side_normal(shapes_, piece, point, c.normal, c.near);
-    // the point of a round end stands for its rim, and may be in the wall
+    // the point of a round end represents its rim, and may be inside the wall
     if (height < -c.near && height > -2.0 * c.near - out) c.point -= height * n;
     if (!same_direction(n, c.normal)) c.normal = n;
     break;
@@ -365,30 +366,29 @@ bool Seams::is_hidden(const World& world, ContactSet& contacts, const Candidate&
   return std::ranges::any_of(others_of(c), hides);
 }
 
-/// One of the body's contacts with the other wall has a normal of the union at the point, and the wall in question
-/// gives another one there, or the same once more. A body that is about to meet a joint that leans would meet it below
-/// the surface that holds it: what counts is how high the wall stands there. Of free neighbours each has what lies flat
-/// on it: their loads differ.
+/// True if one of the body's contacts with the other wall has a normal of the union at the point, while this wall has
+/// another one there, or the same again. A body near an inclined joint would meet it below the supporting surface, so
+/// the height of the wall there counts. Of free neighbours each keeps flat contacts, because their loads differ.
 bool Seams::holds_instead(const World& world, const ContactSet& contacts, const Candidate& c,
                           const Other& other) const {
   const bool beyond = goes_beyond(shapes_, other.piece, c.point, c.normal, other.level);
   if (!beyond && (comes_first(c, other) || (other.free && flat_[c.body] != 0))) return false;
   const std::size_t begin = other.held->begin, end = other.held->end;
-  // the body may lean: where it has the wall it is not as deep as at the point
+  // the body may be inclined: at the wall it is not as deep as at the point
   const double deep = other.level + other.held->depth;
-  const bool foreseen = contacts.gap[c.contact] > 0.0;
+  const bool predicted = contacts.gap[c.contact] > 0.0;
   for (std::size_t k = begin; k < end; ++k) {
     if (k == c.contact || hidden_[k] != 0) continue;
     const Candidate held = candidate(world, contacts, k, contacts.b[k] == other.wall);
     if (other.piece.part != WallPiece::whole && held.piece.part != other.piece.part) continue;
     if (!beyond && same_direction(held.normal, c.normal) && (held.point + other.shift - c.point).norm() <= deep)
       return true;
-    // several points: the body lies on it, and may lean; at the wall's edges too its side says the normal
+    // several points: the body lies on it, possibly inclined; also at the wall's edges its side gives the normal
     const bool flat = end - begin > 1 && held.on_wall;
     const Vec3 n = flat ? side_normal(shapes_, held.piece, held.point, held.normal, -infinity) : held.normal;
     if (!beyond) continue;
     Vec3 at = c.point;
-    if (foreseen && held.on_wall) at += std::max(0.0, n.dot(held.point + other.shift - at)) * n;
+    if (predicted && held.on_wall) at += std::max(0.0, n.dot(held.point + other.shift - at)) * n;
     const auto ends_at = [&](const WallPiece& piece) {
       const Vec3 own = side_normal(shapes_, piece, at, n, -infinity);
       return !goes_beyond(shapes_, piece, at, own.dot(n) > level_cosine ? own : n, deep);
@@ -398,9 +398,9 @@ bool Seams::holds_instead(const World& world, const ContactSet& contacts, const 
   return false;
 }
 
-/// Points of one normal stand or go together. They stand where one that is not hidden has a normal of its wall: a box
-/// that slides over a seam keeps the corners that it has on it, with the wall's normal where its own face said one.
-/// Else they are those of an edge, which the neighbour has.
+/// Points of one normal are kept or dropped together. They are kept if a visible one has a normal of its wall: a box
+/// that slides over a seam keeps its corners there, with the wall's normal in place of its own face's. Otherwise they
+/// are points of an edge, which the neighbour replaces.
 void Seams::decide_faces(const World& world, ContactSet& contacts) {
   for (const Candidate& c : candidates_) {
     const Vec3 given = c.wall_is_b ? Vec3(-contacts.normal[c.contact]) : contacts.normal[c.contact];

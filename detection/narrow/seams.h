@@ -11,8 +11,8 @@
 /// walls a body rests with the points of one wall, and so does a body of parts (few_points.h); one with flat faces on
 /// level polyhedra as on one plate (seam_surfaces.cpp), whatever normal and points each pair has chosen.
 ///
-/// Limits: of closed meshes only the surface counts, not what it encloses; free bodies are not joined for a body that
-/// touches more than 64, or that is held.
+/// Limits: of closed meshes only the surface counts, not the interior; free bodies are not joined for a body that
+/// touches more than 64, or that is fixed or driven.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -28,22 +28,22 @@ namespace epafi {
 
 class Seams {
  public:
-  /// Level or touching: within this share of the size of the body that feels the seam. Contact points of round bodies
-  /// are known to 1e-6 of it (a depth certified to 1e-12).
+  /// Surfaces are level, or touch, within this share of the size of the body on the seam. Contact points of round
+  /// bodies have errors of 1e-6 of it (a depth certified to 1e-12).
   static constexpr double tolerance = 1e-5;
-  /// The same where one of two neighbours moves freely: stones of an arch whose joints are at the limit of friction
-  /// creep by what solvers leave, 1e-6 of a metre in a second.
+  /// The same if one of two neighbours is free: stones of an arch with joints at the limit of friction creep by the
+  /// solver's error, 1e-6 m in a second.
   static constexpr double free_tolerance = 1e-4;
 
-  /// `shapes` must outlive this. reach: of contacts [m]; 0: they overlap, and what they carry has a potential.
+  /// `shapes` must outlive this. reach: of contacts [m]; 0: smooth laws without adhesion.
   Seams(const ShapeStore& shapes, double reach) : shapes_(shapes), reach_(reach), springs_(!(reach > 0.0)) {}
 
-  /// Which bodies have flat faces; whenever slots have other bodies. foreseen: contacts that do not overlap carry
-  /// nothing yet.
-  void find(const World& world, bool foreseen);
+  /// Finds the bodies with flat faces; call it whenever slots change. predicted: contacts without overlap carry no load
+  /// yet.
+  void find(const World& world, bool predicted);
   bool knows(const World& world) const { return flat_.size() == world.size(); }
-  /// Takes out what is no contact of the union; the others keep their order. Of contacts as the narrow phase joins
-  /// them: without forces and areas.
+  /// Removes contacts that the union does not have; the others keep their order. Expects contacts of the narrow phase,
+  /// without forces and areas.
   void hide(const World& world, ContactSet& contacts);
 
  private:
@@ -72,15 +72,15 @@ class Seams {
       begin.front() = 0;
     }
   };
-  /// Where flat walls hold one body, from its centre, and by how much a neighbour of each may be higher; by column, as
-  /// all bodies are asked in each step and few in a pile have level neighbours.
+  /// Contact points of one body with flat walls, from its centre, and the height by which a neighbour of each may be
+  /// higher. Columns, since all bodies are tested in each step and few in a pile have level neighbours.
   struct Points {
     std::vector<double> x, y, z, more;
     void clear();
     void add(const Vec3& at, double higher);
     std::size_t count_below(const Vec3& normal, double top) const;
   };
-  /// A contact at which a neighbour, or another part of the same solid, may go on.
+  /// A contact that a neighbour, or another part of the same solid, may hide.
   struct Candidate {
     std::size_t contact;
     bool wall_is_b;
@@ -95,19 +95,19 @@ class Seams {
     std::size_t first_other = 0, last_other = 0;
   };
 
-  /// Who may go on at a point: a neighbour, or another part of the same solid.
+  /// A possible continuation of the surface at a point: a neighbour, or another part of the same solid.
   struct Other {
     Slot wall;
     BodyId id;
     WallPiece piece;     ///< where it is, with its shift
     Vec3 shift;          ///< of the image [m]; zero: the wall itself
-    const Group* held;   ///< what the body touches of it
+    const Group* held;   ///< contacts of the body with it
     double level = 0.0;  ///< closer is touching, lower is level [m]
     bool free = false;   ///< it or the wall
     Aabb box{};          ///< of the piece, where both are held
   };
 
-  /// A plane side of one wall of a surface, level with the others, as the body sees it: from its centre.
+  /// A plane side of one wall of a surface, level with the others, relative to the body's centre.
   struct Top {
     const Group* group;
     WallPiece piece;
@@ -154,7 +154,7 @@ class Seams {
   const ShapeStore& shapes_;
   double reach_;
   bool springs_;
-  bool foreseen_ = false;
+  bool predicted_ = false;
   bool solids_ = false;                     ///< some body has parts
   bool joins_ = false;                      ///< there are bodies with flat faces that may touch
   std::vector<std::uint8_t> flat_;          ///< by slot: has flat faces

@@ -50,7 +50,7 @@ class Track final : public Guideway {
   double distance_of(const Vec3& point) const override;
   double curvature(double s) const;  ///< [1/m], > 0 to the right
   double heading(double s) const;    ///< [rad], x towards y
-  /// Of the left or right rail at this distance.
+  /// Shift of the left or right rail at distance s [m].
   RailShift shift(double s, bool right) const;
   /// Direction of that rail in the axes of frame(s), of length 1; `beside`: of the rail's axis from the middle [m].
   Vec3 direction(double s, bool right, double beside) const;

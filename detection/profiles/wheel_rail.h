@@ -1,6 +1,6 @@
-/// @file wheel_rail.h  A wheel of revolution on an extruded rail, in three dimensions with yaw: all places where they
-/// touch, and the gap around them. Track axes: x forwards, y to the right, z down; the origin is the middle of the
-/// track at the rails' top.
+/// @file wheel_rail.h  Contact of a wheel (surface of revolution) on an extruded rail, in three dimensions with yaw:
+/// all contact points, and the gap around them. Track axes: x forwards, y to the right, z down; the origin is the
+/// middle of the track at the rails' top.
 #pragma once
 #include <memory>
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace epafi {
 
-/// Where the wheelset stands.
+/// Position of the wheelset.
 struct WheelsetPosition {
   double lateral_shift = 0.0;  ///< to the right [m]
   double height = 0.0;  ///< of the axle's middle below that of a wheelset of the nominal radius on the rails' top [m]
@@ -30,42 +30,41 @@ struct TrackGeometry {
 
 class WheelRailPair final : public GapSource {
  public:
-  /// `right`: which side of the track; the left one is its mirror image and answers in track axes all the same.
+  /// right: side of the track. The left one is computed as mirror image; results are in track axes.
   WheelRailPair(const Profile& wheel, const Profile& rail, const TrackGeometry& track, bool right);
   void place(const WheelsetPosition& position);
-  /// The same wheel and rail on the left or right, with the tables of this one; to be placed.
+  /// The same wheel and rail on the left or right, sharing the tables; call place() next.
   WheelRailPair on_side(bool right) const;
 
-  /// Lowers or lifts the wheel until it just touches: gaps are meant from there, for on a steep flank sinking also
-  /// closes them sideways.
+  /// Lowers or lifts the wheel until it just touches; gaps refer to this position, since on a steep flank a vertical
+  /// motion also changes them sideways.
   void touch();
-  /// The same, and the regions that are nearer than `reach` to touching then, the deepest first, without profiles.
-  /// Returns the way that it was lowered [m].
+  /// The same, and finds the regions with gaps below `reach` [m], the deepest first, without profiles. Returns the
+  /// distance by which it was lowered [m].
   double touch(double reach, std::vector<ContactRegion>& regions);
-  /// Lowers the wheel by `depth` [m] from where it touches, to where its load brings it. Gaps still count from
-  /// touching, along the normal of their plane; but on a flank a wheel that is held sideways comes nearer to what lies
-  /// beside the plane's origin than one that is pressed along the normal (S1002 on UIC60 at 5 mm: 1 um of the 6 um that
-  /// the second region is pressed in).
+  /// Lowers the wheel by `depth` [m] from first touch, to its position under load. Gaps still refer to first touch,
+  /// along the normal of their plane. On a flank this vertical motion closes gaps beside the plane's origin more than a
+  /// motion along the normal (S1002 on UIC60 at 5 mm: 1 um of the 6 um of the second region).
   void lower(double depth);
-  /// How the gap around a region is sampled across the track.
+  /// Sampling of the gap around a region across the track.
   struct Sampling {
     double step = 0.2e-3, reach = 16e-3;  ///< between lines; to both sides of the region [m]
-    double until = 1.0;                   ///< beyond this gap it goes on as it is there [m]
+    double until = 1.0;                   ///< the gap is constant beyond this value [m]
   };
   void sample_profiles(const Sampling& sampling) { sampling_ = sampling; }
-  /// Fills region.profile; the region in track axes, as it is given out.
+  /// Fills region.profile, for a region in track axes.
   void add_profile(ContactRegion& region) const;
-  /// Leaves out of a region's profile what belongs to another: from the highest gap between them on it only opens.
+  /// Removes other regions from a region's profile: beyond the highest gap between them it only opens.
   void part(ContactRegion& region, const ContactRegion& other) const;
-  /// Regions nearer than `reach` to touching when the deepest touches, the deepest first.
+  /// Regions with gaps below `reach` [m] when the deepest touches, the deepest first.
   std::vector<ContactRegion> regions() const override { return find_regions(2e-4); }
   std::vector<ContactRegion> find_regions(double reach) const;
-  /// The region that touches first, without its profile; none where contact is missing.
+  /// The region that touches first, without its profile; none if there is no contact.
   std::optional<ContactRegion> deepest() const;
-  /// Smallest vertical gap over the track: how far the wheel may sink before it touches [m]; infinite where wheel and
-  /// rail do not lie above each other.
+  /// Smallest vertical gap: distance by which the wheel can be lowered before it touches [m]; infinite if wheel and
+  /// rail do not overlap laterally.
   double clearance() const;
-  /// What hinders a contact: the smallest gap must lie inside both profiles.
+  /// Reason why there is no contact: the smallest gap must lie inside both profiles.
   enum class Missing { nothing, apart, wheel_ends, rail_ends };
   Missing missing() const;
   bool has_gauge_face() const;  ///< a point of the rail lies as deep as the gauge is measured
@@ -140,9 +139,9 @@ struct WheelsetGeometry {
   bool stands = true;         ///< false where no such place was found: there is no contact on one of the rails
   double rolling_radius_difference() const { return right.rolling_radius - left.rolling_radius; }
 };
-/// The lateral shift is that of the axle's middle. On a flange steeper than (distance of the contacts) / radius the
-/// wheelset runs up while its axle goes back: there is no such place beyond the one where that begins, up to where it
-/// stands on the flange's tip.
+/// Finds height and roll of a wheelset on both rails; lateral_shift is that of the axle's middle. On a flange steeper
+/// than (distance of the contacts) / radius, climbing reduces the shift of the axle, so larger shifts have no solution
+/// until the flange's tip is on the rail.
 WheelsetGeometry stand_on_rails(const Profile& wheel, const Profile& rail, const TrackGeometry& track,
                                 WheelsetPosition start);
 
@@ -154,9 +153,9 @@ WheelsetGeometry stand_on_rails(const WheelRailPair& side, WheelsetPosition star
 WheelsetGeometry stand_at_rails(const WheelRailPair& side, WheelsetPosition start);
 
 /// Equivalent conicity at this amplitude [m]: wavelength of the wheelset's free kinematic motion
-/// y'' = -delta_r(y) / (r0 s), integrated over a whole period (EN 15302, annex B), put into Klingel's formula. Not a
-/// number where the wheelset does not stand so far out. Displacements count at the rails. The wheelset rolls, which the
-/// standard's tables leave out: 0.002 to 0.007 more (wheel B on rail A).
+/// y'' = -delta_r(y) / (r0 s), integrated over a whole period (EN 15302, annex B), put into Klingel's formula. NaN if
+/// the wheelset has no contact at this amplitude. Displacements count at the rails. Roll of the wheelset, which the
+/// standard's tables neglect, adds 0.002 to 0.007 (wheel B on rail A).
 double equivalent_conicity(const Profile& wheel, const Profile& rail, const TrackGeometry& track, double amplitude);
 /// The same from rolling radius differences [m] at an odd number of equal steps over [-amplitude, amplitude].
 double conicity_of(const std::vector<double>& difference, double amplitude, const TrackGeometry& track);

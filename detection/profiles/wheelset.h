@@ -8,19 +8,19 @@
 
 namespace epafi {
 
-/// What a wheel lacks of being round. A fresh flat is a chord: the wheel turns about its edges, so that the axle comes
-/// down by R (1 - cos(half the flat's angle - angle of its middle from the rail)).
+/// Deviations of a wheel from a circle. A new flat is a chord: the wheel rotates about its edges, so that the axle is
+/// lower by R (1 - cos(half the flat's angle - angle of its middle from the rail)).
 struct WheelDefect {
   double flat_length = 0.0;        ///< l [m], >= 0
-  double flat_angle = 0.0;         ///< by which the wheel must roll until the flat's middle is down [rad]
+  double flat_angle = 0.0;         ///< rolling angle at which the middle of the flat is at the bottom [rad]
   double amplitude = 0.0;          ///< of out-of-round a sin(n theta) [m]
   int order = 1;                   ///< n, >= 1
   bool left = true, right = true;  ///< which wheels have it
 
   bool any() const { return flat_length > 0.0 || amplitude != 0.0; }
-  /// How much lower the axle stands over level rail with the wheel turned by `angle` [rad] from the start [m].
+  /// Lowering of the axle over a level rail with the wheel rotated by `angle` [rad] from the start [m].
   double drop(double angle, double radius) const;
-  /// Its derivative by the angle [m]: how far behind the axle the wheel then stands on the rail.
+  /// Its derivative by the angle [m]: distance of the contact point behind the axle.
   double offset(double angle, double radius) const;
 };
 

@@ -1,4 +1,4 @@
-/// @file wheelset_on_track.h  Where a wheelset stands on a track, and all places where its wheels touch the rails.
+/// @file wheelset_on_track.h  Position of a wheelset on a track, and all contact points of its wheels with the rails.
 #pragma once
 #include <functional>
 #include <optional>
@@ -15,12 +15,12 @@ namespace epafi {
 struct PlaceOnTrack {
   double distance = 0.0;      ///< along the line [m]
   WheelsetPosition position;  ///< lateral shift, height, yaw, roll
-  double angle = 0.0;         ///< by which it has rolled from the marked place, in (-pi, pi] [rad]
+  double angle = 0.0;         ///< rolling angle from the marked position, in (-pi, pi] [rad]
   Pose frame;                 ///< of the track there, world axes
 };
 PlaceOnTrack place_on_track(const Wheelset& wheelset, const Track& track, const Pose& body, const Pose& track_body);
 
-/// How far a wheel is pressed into its rail [m], along z, by what it touches first; >= 0.
+/// Overlap of a wheel and its rail along z, at the first contact [m]; >= 0.
 using SinkOfRegion = std::function<double(const ContactRegion&)>;
 
 /// Search for one wheelset on one track. Rails count as straight over the length of a patch: in a curve of 100 m a
@@ -32,14 +32,14 @@ class WheelsetOnTrack {
   /// Appends the regions nearer than `reach` to touching [m], left wheel first; with the gap along lines across the
   /// track for the first of those that lie together. Their source is this object until the next call.
   void find(const Pose& body, const Pose& track_body, double reach, bool profiles, std::vector<RollingRegion>& out);
-  /// The wheelset over the same place of the track and with the same yaw and turn of its wheels, its height and roll
-  /// such that both wheels are pressed in by `sink`; nothing where it does not stand there.
+  /// The wheelset at the same place of the track, with the same yaw and angle of its wheels, and with height and roll
+  /// such that both wheels overlap by `sink`; nothing if there is no such position.
   std::optional<Pose> stand(const Pose& body, const Pose& track_body, const SinkOfRegion& sink);
-  /// How it has left the track, in words: a flange stands on its rail or a wheel lies beside it. Empty: it has not.
+  /// Description of a derailment: a flange is on its rail or a wheel beside it. Empty: none.
   std::string left_track(const Pose& body, const Pose& track_body);
 
  private:
-  /// One wheel where it is; what the rail's direction is there and how far behind the axle it touches by a defect.
+  /// One wheel, the rail's direction there, and the distance of its contact behind the axle by a defect.
   struct Placed {
     Vec3 along = Vec3::UnitX();
     RailShift rail;

@@ -12,7 +12,7 @@
 
 namespace epafi {
 
-/// A polyhedron that is a rectangular box, wherever its axes point: what its 15-axis test looks up.
+/// Data of a polyhedron that is a rectangular box of any orientation, for the 15-axis test.
 struct BoxFrame {
   Vec3 centre = Vec3::Zero(), half = Vec3::Zero();  ///< half: extent along each of its axes [m]
   std::array<std::array<std::uint32_t, 2>, 3>
@@ -22,8 +22,8 @@ struct BoxFrame {
   double skew = 0.0;  ///< largest cosine between its axes, or sum of two opposite normals
 };
 
-/// What the algorithms over polyhedra need: a hull, a box or a single triangle (two faces back to back) can offer it.
-/// Coordinates are relative to the shape's own origin, which lies inside (on, for a triangle) the shape.
+/// View of a polyhedron: a hull, a box or a single triangle (two faces back to back). Coordinates are relative to the
+/// shape's own origin, which lies inside (on, for a triangle) the shape.
 struct PolyhedronView {
   std::span<const Vec3> vertices;
   std::span<const std::uint32_t> face_begin, face_vertices;  ///< CSR, counter-clockwise seen from outside
@@ -72,13 +72,13 @@ struct ConvexHull {
 
   static Entry entry();
 
-  /// Asks for what a pair of polyhedra reads of this one.
+  /// Prefetches the data that a pair of polyhedra reads.
   void prefetch() const;
   double bounding_radius() const { return radius + sweep; }
   Aabb bounding_box(const Pose& pose) const;
-  /// Of the core polyhedron: the sweep is taken as a thin skin without mass.
+  /// Mass properties of the core polyhedron; the sweep counts as a thin skin without mass.
   MassProperties mass_properties() const { return {volume, Vec3::Zero(), inertia}; }
-  /// Radius of the sphere of equal volume [m]: what R* is made of.
+  /// Radius of the sphere of equal volume [m], used for R*.
   double contact_radius() const { return equal_volume_radius; }
   double equal_volume_radius = 0.0;
 

@@ -1,6 +1,6 @@
-/// @file hollow_wall.h  The surface of a hollow body of revolution with a straight side: what tube and cone are made
-/// of. No thickness: bodies touch it from inside and from outside. The axis is the body's own z, the origin half way
-/// between start (z = -h) and end (z = h); each end is open, or closed by a flat disc.
+/// @file hollow_wall.h  The surface of a hollow body of revolution with a straight side, for tube and cone. It has no
+/// thickness: bodies touch it from inside and from outside. The axis is the body's own z, the origin half way between
+/// start (z = -h) and end (z = h); each end is open, or closed by a flat disc.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -28,7 +28,8 @@ struct HollowWall {
 
   double most_radius() const { return std::max(start_radius, end_radius); }
   double bounding_radius() const { return std::sqrt(half_length * half_length + most_radius() * most_radius()); }
-  /// Of the two end circles: exact, as a circle of radius r normal to u reaches r sqrt(1 - u_i^2) along axis i.
+  /// Exact bounding box of the two end circles: a circle of radius r normal to u extends r sqrt(1 - u_i^2) along axis
+  /// i.
   Aabb bounding_box(const Pose& pose) const {
     const Mat3 turn = pose.orientation.toRotationMatrix();
     const Vec3 reach = turn.leftCols<2>().rowwise().norm(), axis = half_length * turn.col(2);
@@ -37,7 +38,7 @@ struct HollowWall {
             (start + start_radius * reach).cwiseMax(end + end_radius * reach)};
   }
 
-  /// From the side, as if it went on, to a point of the half plane: positive outside [m].
+  /// Signed distance of a point of the half plane from the infinite line of the side: positive outside [m].
   double beyond_side(double radius, double z) const {
     return along_z * (radius - start_radius) - along_radius * (z + half_length);
   }
@@ -70,7 +71,7 @@ concept HollowShape = requires(const S& s) {
   { s.wall } -> std::convertible_to<const HollowWall&>;
 };
 
-/// The solid that the surface encloses: what a body outside it meets.
+/// The solid that the surface encloses, for bodies outside.
 struct HollowSolid {
   HollowWall wall;
 

@@ -50,7 +50,7 @@ struct HullLanes {
   std::vector<EdgeLanes> edges;
 };
 
-/// What the faces of one body know of the other body; arrays by face, up to a multiple of four.
+/// Heights of the other body over the faces of one; arrays by face, padded to a multiple of four.
 struct FaceHeights {
   const double* point;           ///< height of one point of the other body above the face [m]
   const double* centre;          ///< height of the other body's centre [m]

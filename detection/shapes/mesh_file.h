@@ -1,5 +1,5 @@
 /// @file mesh_file.h  Triangle surfaces from Wavefront OBJ, STL and PLY (ASCII and binary), and tables of triangles.
-/// Strict: what cannot be understood is a SceneError with file:line and what was found; nothing is repaired silently.
+/// Strict: an unreadable entry is a SceneError with file:line and text; nothing is repaired silently.
 #pragma once
 #include <string>
 #include <string_view>
@@ -9,7 +9,7 @@
 
 namespace epafi {
 
-/// What a surface is worth: closed or not, which way round, what was left out.
+/// Quality of a surface: closed or not, orientation, dropped triangles.
 struct MeshReport {
   std::size_t open_edges = 0;  ///< edges with one triangle
   std::size_t clashing_edges =
@@ -19,7 +19,7 @@ struct MeshReport {
   std::array<Vec3, 2> first_clash{};             ///< ends of the first clashing edge [m]
   std::size_t dropped = 0;                       ///< triangles without area, left out when reading
   double volume = 0.0;                           ///< signed [m^3]; meaningful where watertight
-  double precision = 0.0;  ///< how far its rounding may have put a coordinate; 0 where nothing tells [m]
+  double precision = 0.0;                        ///< largest rounding error of coordinates; 0: unknown [m]
 
   bool is_watertight() const { return open_edges == 0 && clashing_edges == 0; }
   bool is_inverted() const { return is_watertight() && volume < 0.0; }
@@ -32,7 +32,7 @@ struct MeshFile {
   MeshReport report;
 };
 
-/// Whether a file must have faces: a surface must, the convex hull of its corners needs none.
+/// Whether a file must have faces: needed for a surface, optional for the convex hull of its corners.
 enum class MeshFaces { needed, optional };
 
 /// Reads by the file's ending (.obj, .stl or .ply, any case). Throws FileError where the file cannot be read,

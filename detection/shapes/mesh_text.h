@@ -78,7 +78,7 @@ class MeshText {
   void expect_end() {
     if (const auto w = word(); !w.empty()) fail(fmt::format("expected the end of the line, found '{}'", shown(w)));
   }
-  /// Whether two words differ in capitals alone.
+  /// True where two words are equal up to upper and lower case.
   static bool same_word(std::string_view a, std::string_view b) {
     const auto small = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
     return std::ranges::equal(a, b, [&](char x, char y) { return small(x) == small(y); });

@@ -1,7 +1,7 @@
 /// @file solid_parts.h  Closed surface of triangles as a rigid body ("solid" in scenes, and a mesh that moves freely):
 /// convex parts that touch on their own. Mass properties are those of the surface, exact by its tetrahedra. Body axes:
-/// origin at the centre of mass, axes principal. Limit: parts meet along inner faces; a body that reaches the line
-/// where such a face ends within a contact's depth may feel it.
+/// origin at the centre of mass, axes principal. Limit: parts meet along inner faces; a contact deep enough to reach
+/// the end of such a face may be affected.
 #pragma once
 #include <vector>
 
@@ -15,7 +15,7 @@ namespace epafi {
 /// One part as the narrow phase sees it: a polyhedron about its own centre.
 struct SolidPart {
   const ConvexHull* hull;
-  double radius;  ///< that stands for the curvature of the whole body [m]
+  double radius;  ///< effective radius of the whole body [m]
 
   operator const ConvexHull&() const { return *hull; }
   Vec3 support(const Vec3& d) const { return hull->support(d); }

@@ -41,7 +41,7 @@ struct MatricesOf {
   }
 };
 
-/// As CurvedSupport.
+/// CurvedSupport in lanes.
 template <LaneVector V>
 struct SupportLanes {
   VectorsOf<V> point;

@@ -6,7 +6,7 @@
 namespace epafi {
 
 struct SurfaceCrossings {
-  std::size_t triangles = 0;  ///< that go through others
+  std::size_t triangles = 0;  ///< number that cross others
   Vec3 first = Vec3::Zero();  ///< where the first of them does, in the order of the file [m]
 };
 

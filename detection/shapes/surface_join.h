@@ -1,9 +1,8 @@
-/// @file surface_join.h  Makes one surface of the triangles of a file: corners that are one within the tolerance become
-/// one, triangles given twice and slivers go, triangles are cut where a corner of another lies on their side, turned to
-/// agree with their neighbours, and gathered to faces. A face is a plane within the rounding of the file; where that
-/// has left its corners beside the plane, they are moved into the planes of all faces that meet there. What is exact to
-/// rounding stays as it is, bit for bit. Limits: where more than three faces meet that are nearly parallel, a corner
-/// may stay beside them by the tolerance.
+/// @file surface_join.h  Joins the triangles of a file to one surface: merges corners within the tolerance, drops
+/// duplicate triangles and slivers, splits triangles at corners of others on their sides, flips them to agree with
+/// their neighbours, and groups them to faces. A face is plane within the rounding of the file; its corners are moved
+/// into the planes of all faces that meet there. Coordinates that are exact to rounding do not change by a bit. Limits:
+/// where more than three nearly parallel faces meet, a corner may remain off their planes by the tolerance.
 #pragma once
 #include <string>
 
@@ -14,17 +13,17 @@ namespace epafi {
 struct JoinReport {
   double tolerance = 0.0;      ///< of corners and sides [m]
   double flatness = 0.0;       ///< of faces [m]
-  std::size_t welded = 0;      ///< corners that became one with another
-  double weld_distance = 0.0;  ///< the farthest that such a corner lay from the other [m]
-  std::size_t slivers = 0;     ///< triangles lower than the tolerance, left out
-  std::size_t doubled = 0;     ///< triangles given again, left out
+  std::size_t welded = 0;      ///< corners merged with another
+  double weld_distance = 0.0;  ///< largest distance of merged corners [m]
+  std::size_t slivers = 0;     ///< triangles with a height below the tolerance, dropped
+  std::size_t doubled = 0;     ///< duplicate triangles, dropped
   std::size_t cut = 0;         ///< cuts of triangles at a corner on their side
-  std::size_t flipped = 0;     ///< triangles turned to agree with their neighbours
+  std::size_t flipped = 0;     ///< triangles flipped to agree with their neighbours
   std::size_t moved = 0;       ///< corners moved into the planes of their faces
   double move_distance = 0.0;  ///< the farthest of these moves [m]
   std::size_t faces = 0;
 
-  /// What was joined and how far off it was; "" where nothing was.
+  /// Summary of the corrections with the largest distances; "" if there were none.
   std::string to_string() const;
 };
 
@@ -35,14 +34,13 @@ struct JoinedSurface {
   JoinReport report;
 };
 
-/// Of the diagonal of the box about all corners: what is nearer is one. A ten millionth of a metre of a seam of 0.2 m
-/// and slivers of a micrometre on a floor of two metres are below it, and a plate of 0.1 mm of 30 m is above.
+/// Tolerance over the diagonal of the box about all corners. It merges gaps of 1e-7 m in a seam of 0.2 m and slivers of
+/// a micrometre on a floor of two metres, but not the sides of a plate of 30 m and 0.1 mm.
 inline constexpr double join_tolerance = 1e-6;
-/// The same for the corners of a face: a drum of 20 000 sides stays one.
+/// The same for the flatness of a face: a drum of 20 000 sides keeps its sides.
 inline constexpr double flat_tolerance = 1e-9;
 
-/// precision: how far a coordinate of the file may be off by its rounding [m]; four times as much is joined and is
-/// flat.
+/// precision: rounding error of the file's coordinates [m]; tolerance and flatness are at least four times this.
 [[nodiscard]] JoinedSurface join_surface(TriangleSurface surface, double precision);
 
 }  // namespace epafi

@@ -14,7 +14,7 @@
 
 namespace epafi {
 
-/// How the neighbour behind an edge lies, seen from the front of the triangle (its vertices counter-clockwise).
+/// Kind of an edge by its neighbour, seen from the front of the triangle (its vertices counter-clockwise).
 enum class EdgeKind : std::uint8_t {
   open,    ///< no neighbour, or several, or one of opposite orientation
   flat,    ///< of the same face
@@ -44,14 +44,14 @@ struct TriangleMesh {
 
   /// The surface need not be closed. precision: of its coordinates (surface_join.h) [m].
   static TriangleMesh from_surface(TriangleSurface surface, double precision = 0.0);
-  /// The surface goes on smoothly behind side k: on the same face, or on one turned by less than a degree.
+  /// True if the surface continues smoothly beyond side k: on the same face, or on one inclined by less than a degree.
   bool is_smooth(std::uint32_t t, std::size_t k) const {
     constexpr double cosine_of_a_degree = 0.99984769515639123916;
     const EdgeKind kind = edge_kinds[t][k];
     if (kind == EdgeKind::open) return false;
     return kind == EdgeKind::flat || normals[t].dot(normals[neighbours[t][k]]) > cosine_of_a_degree;
   }
-  /// Candidates are found by oriented boxes from now on.
+  /// Selects a tree of oriented boxes for later searches.
   void orient_boxes() { oriented_ = ObbTree(vertices, triangles); }
 
   static Entry entry() {
@@ -70,7 +70,7 @@ struct TriangleMesh {
 
   /// Appends the triangles whose box overlaps `box` (body axes), ascending.
   void query(const Aabb& box, std::vector<std::uint32_t>& out) const;
-  /// f(t) of the triangles whose boxes come within reach() of x [m], which may shrink from one to the next.
+  /// Calls f(t) for triangles whose boxes are within reach() of x [m]; reach() may shrink between calls.
   template <class Reach, class F>
   void each_within(const Vec3& x, const Reach& reach, const F& f) const {
     const auto distance = [&x](const Aabb& box) {
@@ -98,7 +98,7 @@ struct TriangleMesh {
 
   double contact_radius() const { return infinity; }
   double bounding_radius() const { return radius_; }
-  /// Of the turned box of the whole mesh: may be larger than the mesh's own, never smaller.
+  /// Bounds of the rotated box of the whole mesh: possibly larger than the mesh's, never smaller.
   Aabb bounding_box(const Pose& pose) const;
   /// At density 1, meaningful for a closed surface; the centre is given, the inertia is about it.
   MassProperties mass_properties() const { return surface_mass_properties(vertices, triangles); }
@@ -106,7 +106,7 @@ struct TriangleMesh {
  private:
   struct Node {
     Aabb box;
-    std::uint32_t skip;   ///< node to go on with when this one is left out; nodes are in depth-first order
+    std::uint32_t skip;   ///< next node if this one is skipped; nodes are in depth-first order
     std::uint32_t begin;  ///< first entry of leaves_ (leaf), or unused
     std::uint32_t count;  ///< triangles of a leaf, 0: inner node
   };

@@ -20,7 +20,7 @@ struct WheelProfile {
     const Vec3 r = Vec3::Constant(bounding_radius());
     return {pose.position - r, pose.position + r};
   }
-  /// Those given, not of density 1: an axle is no body of revolution of one material.
+  /// The given mass properties, not those of density 1: an axle is no homogeneous body of revolution.
   MassProperties mass_properties() const;
 };
 static_assert(SolidShape<WheelProfile>);

@@ -15,7 +15,7 @@ struct PrincipalCurvatures {
        direction_smaller = Vec3::UnitY();  ///< unit, right-handed with the outward normal
 };
 
-/// Of F at a point of its surface, in the axes of F. The gradient must not vanish.
+/// Principal curvatures of the surface F = 0 at a point of it, in the axes of F. The gradient must not vanish.
 [[nodiscard]] PrincipalCurvatures principal_curvatures(const ImplicitValue& f);
 
 struct HertzianPoints {
@@ -29,7 +29,8 @@ struct HertzianPoints {
   Vec3 normal = Vec3::UnitZ();  ///< unit, from A to B, world axes
   Vec3 point_a, point_b;        ///< relative to the own body's position, world axes [m]
   PrincipalCurvatures a, b;     ///< directions in world axes
-  /// Of the gap of the undeformed surfaces over the common tangent plane, h = gap + (larger x^2 + smaller y^2) / 2.
+  /// Curvatures of the gap between the undeformed surfaces over the common tangent plane, h = gap + (larger x^2 +
+  /// smaller y^2) / 2.
   PrincipalCurvatures relative;
   int iterations = 0;
 };

@@ -21,7 +21,7 @@ struct ImplicitValue {
 struct SmoothSurface {
   const void* shape = nullptr;
   ImplicitValue (*value_of)(const void*, const Vec3&) = nullptr;
-  double size = 1.0;  ///< that tolerances are relative to [m]
+  double size = 1.0;  ///< reference of tolerances [m]
   ImplicitValue operator()(const Vec3& x) const { return value_of(shape, x); }
 };
 

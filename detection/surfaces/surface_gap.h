@@ -72,7 +72,7 @@ class SurfaceToSurface final : public GapOperator {
   double band_;
 };
 
-/// What GapSource::gaps_between gives.
+/// Operator returned by GapSource::gaps_between.
 std::unique_ptr<GapOperator> make_gap_operator(GapMethod method, std::span<const Vec3> nodes,
                                                std::span<const Triangle> first, std::span<const Triangle> second,
                                                double band);

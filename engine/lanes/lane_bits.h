@@ -11,7 +11,7 @@
 /// (engine/lanes/targets.h).
 #define EPAFI_INLINED __attribute__((always_inline))
 
-/// Whether GCC has the builtins of AVX-512. GCC checks the target of a builtin where it is inlined.
+/// 1 where GCC has the builtins of AVX-512. GCC checks the target of a builtin where it is inlined.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(EPAFI_ONE_TARGET)
 #define EPAFI_WIDE_BUILTINS 1
 #else

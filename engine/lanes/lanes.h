@@ -46,7 +46,7 @@ template <LaneVector V>
 EPAFI_LANES V min(V a, V b) {
   return b < a ? b : a;
 }
-/// Where the mask is set, else 0: the bits of an unset lane are cleared whatever they were.
+/// x where the mask is set, else 0, also for NaN.
 template <LaneVector V>
 EPAFI_LANES V keep(MaskOf<V> mask, V x) {
   return reinterpret_cast<V>(reinterpret_cast<MaskOf<V>>(x) & mask);

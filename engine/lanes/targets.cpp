@@ -22,7 +22,7 @@ Target widest() {
   return Target::baseline;
 }
 
-/// Of the environment. A name that means none is refused: who times a narrower loop must not get the widest one.
+/// The target named by the environment. An unknown name is refused, so that timings never use an unintended one.
 Target named() {
   const char* text = std::getenv("EPAFI_TARGET");
   if (text == nullptr || *text == '\0') return Target::avx512;

@@ -1,5 +1,5 @@
-/// @file contact_region.h  One place where wheel and rail touch or nearly touch, as geometry sees it: what a search
-/// finds and normal models take. Beside gap_field.h for models that need strips across the track only.
+/// @file contact_region.h  Geometry of a region where wheel and rail touch or nearly touch: result of a search, input
+/// of normal models. For models of strips across the track; others use gap_field.h.
 #pragma once
 #include <cstddef>
 #include <vector>
@@ -36,8 +36,8 @@ class GapSource {
  public:
   virtual ~GapSource() = default;
   virtual std::vector<ContactRegion> regions() const = 0;
-  /// The same region seen from another place y of its tangent plane, the new plane at this angle; curvatures stay those
-  /// of the rigid contact point.
+  /// The same region with the tangent plane at another y, at this angle; curvatures remain those of the rigid contact
+  /// point.
   virtual ContactRegion moved(const ContactRegion& region, double y, double angle) const = 0;
   /// Angle of the rail's surface at y of the tangent plane, in track axes [rad].
   virtual double angle_at(const ContactRegion& region, double y) const = 0;

@@ -5,7 +5,8 @@
 
 namespace epafi {
 
-/// Of modulus e, e^2 = 1 - ratio^2: K, D = (K - E)/e^2, B = K - D; free of cancellation at e = 0, where D = B = pi/4.
+/// Complete elliptic integrals of modulus e, e^2 = 1 - ratio^2: K, D = (K - E)/e^2, B = K - D; free of cancellation at
+/// e = 0, where D = B = pi/4.
 struct EllipticIntegrals {
   double K, D, B;
   double E(double ratio) const { return B + ratio * ratio * D; }

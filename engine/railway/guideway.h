@@ -1,4 +1,4 @@
-/// @file guideway.h  A line that bodies are led along: where a moving frame stands and how a place on the way is found.
+/// @file guideway.h  A line that bodies follow: pose of a moving frame, and distance along the line of a point.
 /// Detection gives it a track, springs of moving frames read it; neither knows the other.
 #pragma once
 #include "engine/state/types.h"

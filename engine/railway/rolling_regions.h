@@ -1,5 +1,5 @@
-/// @file rolling_regions.h  Where wheels touch rails in this step, with the undeformed gap around each place: what the
-/// search over profiles finds and the laws of rolling contact take.
+/// @file rolling_regions.h  Contact regions of wheels and rails in this step with the undeformed gap around each:
+/// result of the search over profiles, input of the laws of rolling contact.
 #pragma once
 #include <vector>
 
@@ -7,7 +7,7 @@
 
 namespace epafi {
 
-/// One patch to be. Its axes: x along the track, y in the tangent plane to the right, z the normal from wheel to rail.
+/// One contact region. Axes: x along the track, y in the tangent plane to the right, z the normal from wheel to rail.
 struct RollingRegion {
   Slot wheelset = no_slot, track = no_slot;
   std::uint32_t name = 0;        ///< wheel (0 left, 1 right) times 16 plus the number of the region from the field side

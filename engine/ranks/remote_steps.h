@@ -14,26 +14,26 @@ namespace epafi {
 
 class Simulation;
 
-/// Where the wall time of a process goes: stages of its own steps; `exchange`, what it waits for ghosts and packs them;
-/// `sums`, what it waits for sums over all; `orders`, what it waits for process 0, whose own work with files, events
-/// and sorts this is; `sharing`, bodies and contacts that go to other processes. `hidden`, beside all these: ghosts on
-/// their way while it computes.
+/// Wall time of a process [s]: stages of its own steps; `exchange`: packing ghosts and waiting for them; `sums`:
+/// waiting for sums over all processes; `orders`: waiting for process 0 (at process 0: its work with files, events and
+/// sorts); `sharing`: migration of bodies and contacts. `hidden`, in no other entry: messages of ghosts during
+/// computation.
 enum class RankStage { integrate, broad_phase, narrow_phase, contact, exchange, sums, orders, sharing, hidden };
 inline constexpr std::array<const char*, 9> rank_stage_names{
     "integrate", "broad_phase", "narrow_phase", "contact", "exchange", "sums", "orders", "sharing", "hidden"};
 using RankSeconds = std::array<double, rank_stage_names.size()>;
 
-/// How the bodies are shared out.
+/// Statistics of the distribution of bodies.
 struct RankFigures {
   int ranks = 1;
   double imbalance = 1.0;              ///< most free bodies of a rank over their mean, mean of the steps
-  double ghosts = 0.0;                 ///< bodies that a rank has of others over its own
+  double ghosts = 0.0;                 ///< ghosts over own bodies of a process
   double bytes_per_step = 0.0;         ///< sent by all ranks, mean of the steps
-  double moves = 0.0;                  ///< how often bodies changed ranks between two sorts
+  double moves = 0.0;                  ///< migrations between two sorts
   std::vector<RankSeconds> seconds{};  ///< by rank
 };
 
-/// What is summed over all bodies and overlaps while they are elsewhere.
+/// Sums over all bodies and overlaps in other processes.
 struct RemoteTotals {
   BodyTotals bodies;
   OverlapTotals overlaps;  ///< where these are asked for
@@ -47,9 +47,9 @@ struct RemoteTotals {
 class RemoteSteps {
  public:
   virtual ~RemoteSteps() = default;
-  /// The state of the simulation goes to the processes.
+  /// Sends the state of the simulation to the processes.
   virtual void send(Simulation& whole) = 0;
-  /// Their state comes into the simulation.
+  /// Gathers their state in the simulation.
   virtual void fetch(Simulation& whole) = 0;
   /// What a step changes of bodies comes into the simulation, and into its workspace the contacts of the last step that
   /// observers want: pieces in the order of ContactPieces, all in canonical order. Whatever else it knows may be of an
@@ -57,13 +57,12 @@ class RemoteSteps {
   virtual void fetch_seen(Simulation& whole, ContactView contacts) = 0;
   /// Of the present state, before it is fetched.
   virtual RemoteTotals totals(bool overlaps) = 0;
-  /// What stiffness_bound gives over all of them for steps of dt [s] with the contacts of the last one; infinite where
-  /// nothing is known.
+  /// stiffness_bound over all processes for steps of dt [s] with the contacts of the last one; infinite if unknown.
   virtual double stiffness(double dt) = 0;
-  /// A step of all of them; what it did is summed up in the report. False where some free body is outside the domain or
-  /// its state is no number. run_on: they may begin the next one, as Simulation::advance has it.
+  /// One step of all processes; sums go to the report. False if some free body is outside the domain or not finite.
+  /// run_on: as in Simulation::advance.
   virtual bool step(double dt, const std::optional<Domain>& domain, bool run_on, StepReport& report) = 0;
-  /// They have begun it: the state must not be fetched.
+  /// True if they have begun the next step: the state must not be gathered.
   virtual bool is_ahead() const = 0;
   virtual RankFigures figures() = 0;
 };

@@ -1,5 +1,5 @@
-/// @file shared_list.h  The pair list of a part: where all processes make a new one in the same step, none waits for
-/// the others to do so in other steps. No result depends on the age of a list.
+/// @file shared_list.h  Common rebuilds of pair lists: all processes rebuild in the same step, so that none waits for
+/// rebuilds of others in other steps. No result depends on the age of a list.
 #pragma once
 
 namespace epafi {
@@ -7,13 +7,13 @@ namespace epafi {
 class SharedList {
  public:
   virtual ~SharedList() = default;
-  /// Whether and why a list ends.
+  /// Whether and why a list is about to end.
   struct End {
-    bool comes = false;    ///< it will not last for the next step
-    bool by_slow = false;  ///< a body of the least margin will have used it up, from which the next margins are learned
+    bool comes = false;    ///< it is not valid for the next step
+    bool by_slow = false;  ///< because of a body with the least margin, which the next margins depend on
   };
-  virtual End foreseen() const = 0;
-  /// That of some process will end so: a new one in the next step, if half of this one is used up.
+  virtual End predicted_end() const = 0;
+  /// The list of some process ends: rebuild in the next step if half of this one's margin is used up.
   virtual void end_with_others(const End& theirs) = 0;
 };
 

@@ -1,5 +1,5 @@
-/// @file shared_model.h  What a contact model tells of its last step, so that several processes can add it up to the
-/// bits of one. Of a part, what this process counts.
+/// @file shared_model.h  Data of a contact model's last step that several processes sum to the bits of one process;
+/// each counts its part.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace epafi {
 
-/// Of a spring on a fixed or driven body, as processes send it to each other.
+/// Load of a spring on a fixed or driven body, as sent between processes.
 struct HeldPull {
   std::uint64_t order = 0;  ///< among all springs
   BodyId body{};
@@ -20,12 +20,12 @@ struct HeldPull {
 class SharedModel {
  public:
   virtual ~SharedModel() = default;
-  /// Of the contacts that it has found itself, in a periodic cell.
+  /// Adds the virial of the contacts that the model has found itself, in a periodic cell.
   virtual void add_virial(const World&, Virial&) const {}
-  /// What it has put on fixed and driven bodies beside contacts, in the order in which it does.
+  /// Appends its loads on fixed and driven bodies other than by contacts, in the order of application.
   virtual void append_held_pulls(const World&, std::vector<HeldPull>&) const {}
-  /// Where the first half of the next step is done (ContactModel::is_ahead): the bodies in it, ghosts as their contacts
-  /// of this process alone move them.
+  /// Where the first half of the next step is done (ContactModel::is_ahead): extent of the bodies in it, with ghosts
+  /// moved by the contacts of this process only.
   virtual Extent begun() const { return {}; }
   /// From now on forces of steps that run on are told only where these bodies may need them; else what contacts read is
   /// in the states (BodyState::predicted). Returns whether that is so. only_spheres: as PartSetup has it.

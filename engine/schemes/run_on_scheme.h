@@ -1,4 +1,4 @@
-/// @file run_on_scheme.h  What a scheme may offer beside its halves.
+/// @file run_on_scheme.h  Optional interface of a scheme beside its halves.
 #pragma once
 #include "engine/state/world.h"
 
@@ -7,8 +7,8 @@ namespace epafi {
 class RunOnScheme {
  public:
   virtual ~RunOnScheme() = default;
-  /// The second half of a step and the first one of the next, of the same dt, at once for the bodies of slots
-  /// [begin, end): nobody reads them in between.
+  /// The second half of a step and the first half of the next, with the same dt, in one pass over slots [begin, end);
+  /// bodies must not be read in between.
   virtual void run_on(World& world, double dt, std::size_t begin, std::size_t end) = 0;
 };
 

@@ -37,7 +37,7 @@ class VelocityVerlet final : public Scheme, public RunOnScheme {
 
  private:
   static constexpr std::size_t range = 512;
-  /// As many half kicks by the forces of the world, one after the other, and the drift.
+  /// Makes `kicks` half kicks by the forces of the world, and the drift if `drifts`.
   static void kick_and_drift(World& world, double dt, int kicks, bool drifts, std::size_t begin, std::size_t end) {
     const bool turns = world.has_orientation(), uneven = turns && has_uneven(world);
     for (std::size_t i = begin; i < end; ++i) {

@@ -1,6 +1,6 @@
-/// @file body_ball.h  A ball that stands where its body says: one of a clump, or a sphere that is held. What detects
-/// the pairs of spheres (SpherePairs) gives each a place of its own: first come the balls of free bodies by slot and
-/// part, then those of held ones, behind them by slot all bodies, of which the free spheres are meant.
+/// @file body_ball.h  A ball that follows its body: a ball of a clump, or a fixed or driven sphere. Each has a place in
+/// SpherePairs: first the balls of free bodies by slot and part, then those of held ones, then all bodies by slot, of
+/// which only free spheres are used.
 #pragma once
 #include "engine/state/types.h"
 

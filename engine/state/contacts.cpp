@@ -114,11 +114,10 @@ std::size_t ContactSet::bytes_per_contact() const {
 
 namespace {
 
-/// Of a feature: its image in a periodic cell, and what of the body touches (the name of the mesh's side stands
-/// between).
+/// Parts of a feature: the image in a periodic cell, and the name on the body (the name on the mesh is between them).
 constexpr Feature image_bits = Feature{0xff} << 56, body_bits = 0xfffffff;
 
-/// A corner has one name whichever of the two bodies comes first: each has bits of its own, the other's are zero.
+/// A corner has the same name for either order of the bodies: each body has its own bits, the other's are zero.
 Feature name_on_body(Feature f, bool on_mesh) {
   constexpr Feature corner_bits = 0x3fffff;
   return on_mesh ? f & body_bits : (f | f >> 22) & corner_bits;
@@ -155,7 +154,7 @@ struct PairRange {
   }
 };
 
-/// Of some entries of a list: how many there are, how many of one name on the body, and the last.
+/// Counts of some entries of a list: all, those with one name on the body; and the last of them.
 struct Chosen {
   Feature name;
   bool on_mesh;
@@ -202,7 +201,7 @@ std::uint32_t ContactMemory::left_for(const ContactSet& contacts, std::size_t i,
   return none;
 }
 
-/// Of two contacts that would go on from the same one the first does.
+/// If two contacts would continue the same one, the first does.
 void ContactMemory::settle_joined(const ContactSet& contacts, std::vector<std::uint32_t>& previous,
                                   std::vector<std::uint32_t>* turned) {
   taken_.assign(a_.size(), 0);

@@ -17,22 +17,22 @@ namespace epafi {
 /// Two bodies whose fattened bounding boxes overlap; id(a) < id(b).
 struct Pair {
   Slot a, b;
-  std::uint32_t image = 0;  ///< image_code of B's place, and in the next byte that of the contact's key; 0: B itself
+  std::uint32_t image = 0;  ///< image_code of B, and in the next byte that of the contact's key; 0: B itself
   auto operator<=>(const Pair&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 sees the 0 of <=>
 };
 
 using PairColumn = UnwrittenColumn<Pair>;
 
-/// Pairs that a contact model detects itself, of spheres and of spheres with fixed half-spaces, by places: first come
-/// the balls of clumps and of held bodies (engine/state/body_ball.h), behind them by slot all bodies, of which the free
-/// spheres are meant. A pair stands at its lower place, that of a half-space at its sphere's. Without balls a place is
-/// a slot.
+/// Pairs of spheres, and of spheres with fixed half-spaces, whose contacts the contact model detects itself. They are
+/// indexed by place: the balls of clumps and of held bodies come first (engine/state/body_ball.h), then all bodies by
+/// slot, of which only free spheres have pairs. A pair is listed at its lower place; one with a half-space at its
+/// sphere's. Without balls a place is a slot.
 struct SpherePairs {
   static constexpr Slot plane = Slot{1} << 31;  ///< a partner with this bit is a place in `planes`
 
-  std::vector<std::uint32_t> first;      ///< by place: its first partner, those of the next place follow
-  UnwrittenColumn<Slot> partner;         ///< ascending, of a pair of spheres the higher place
-  UnwrittenColumn<std::uint32_t> image;  ///< beside them, as Pair::image from the lower place; without a cell empty
+  std::vector<std::uint32_t> first;      ///< by place: index of its first partner
+  UnwrittenColumn<Slot> partner;         ///< ascending; of a pair of spheres the higher place
+  UnwrittenColumn<std::uint32_t> image;  ///< by partner, as Pair::image seen from the lower place; empty without a cell
   std::vector<Slot> planes;              ///< slots of the half-spaces, ascending
 
   std::size_t size() const { return partner.size(); }
@@ -48,7 +48,7 @@ struct PairList {
   /// phase until it makes the next list or releases this one.
   std::span<const float> inverse_half_margin{};
   SpherePairs spheres{};  ///< not among `pairs`; empty where no contact model takes them
-  /// By how much the bodies of a pair may come closer while the list lasts [m].
+  /// Distance by which the bodies of a pair may approach while the list is valid [m].
   double margin_of(const Pair& p) const {
     return inverse_half_margin.empty()
                ? margin
@@ -70,8 +70,8 @@ struct ContactPoint {
   double area = 0.0;  ///< volume over overlap of a cell of overlap volume [m^2], where needed
 };
 
-/// Walls that are one surface to a body: its contact with `wall` may go on from one with `other`, or from one at
-/// another place of the same wall.
+/// Walls that form one surface for a body: its contact with `wall` may continue one with `other`, or one at another
+/// place of the same wall.
 struct JoinedWalls {
   Slot body, wall, other;
   auto operator<=>(const JoinedWalls&) const = default;  // NOLINT(modernize-use-nullptr): as above
@@ -83,7 +83,7 @@ struct ContactSet {
   bool with_moment = false;     ///< moment is filled by the contact model
   bool with_area = false;       ///< area is filled: contacts are cells of overlap volume
 
-  std::vector<Slot> meshes;         ///< ascending: bodies whose contacts go from face to face of one surface
+  std::vector<Slot> meshes;         ///< ascending: meshes, whose contacts move from face to face
   std::vector<JoinedWalls> joined;  ///< ascending
 
   std::vector<Slot> a, b;
@@ -99,11 +99,11 @@ struct ContactSet {
   std::size_t size() const { return a.size(); }
   void clear();
   void append(Slot slot_a, Slot slot_b, const ContactPoint& c);
-  /// `size` contacts in place of those that are there, each to be put; a few more next time find room.
+  /// Replaces all contacts by `size` ones that `put` must fill; reserves some more.
   void renew(std::size_t size);
   void put(std::size_t i, Slot slot_a, Slot slot_b, const ContactPoint& c, const Vec3& on_a, const Vec3& moment_on_a);
   void put(std::size_t i, const ContactSet& from, std::size_t k);
-  /// Canonical order, with force and moment where they are filled.
+  /// Sorts into canonical order, with force and moment if they are filled.
   void sort();
   /// Appends all of `other` behind this.
   void append(const ContactSet& other);
@@ -115,17 +115,17 @@ struct ContactSet {
   std::size_t bytes_per_contact() const;
 };
 
-/// Keys of the contacts of the last step, for whatever is carried from step to step (tangential springs, warm starts).
-/// Both lists are in canonical order, so matching is one merge. On a mesh, and where walls are joined, a contact that
-/// begins where another one of the body ends is the same, gone on over an edge or seam: of one name on the body, or the
-/// only one that begins and ends. One that was near before, but of which nothing is remembered, begins too.
+/// Keys of the contacts of the last step, to carry data (tangential springs, warm starts) from step to step. Both lists
+/// are in canonical order, so matching is one merge. On a mesh, and on joined walls, a contact that begins may continue
+/// one of the same body that ends, across an edge or seam: if both have the same name on the body, or if they are the
+/// only ones that begin and end. A contact that existed before, but without remembered data, counts as beginning.
 class ContactMemory {
  public:
   static constexpr std::uint32_t none = 0xffffffffu;
   using IsEmpty = std::function<bool(std::size_t)>;
-  /// previous[i] = index in the remembered list of contact i, or none; then remembers `contacts`.
-  /// is_empty(k): nothing is known of the remembered contact k but its name. turned: takes the contacts whose body A
-  /// was B in what is remembered.
+  /// Sets previous[i] to the index of contact i in the remembered list, or none; then remembers `contacts`.
+  /// is_empty(k): the remembered contact k has no data. turned: receives the contacts whose body A was B in the
+  /// remembered list.
   void match(const ContactSet& contacts, std::vector<std::uint32_t>& previous, const IsEmpty& is_empty = {},
              std::vector<std::uint32_t>* turned = nullptr);
   /// Renames slots and restores canonical order; order[k] = old index of the entry now at k (removed ones are dropped).

@@ -22,7 +22,7 @@ void Incidence::build(const ContactSet& contacts, std::size_t bodies) {
 
 namespace {
 
-/// Vectors of which the sum does not depend on their order.
+/// Vectors whose sum does not depend on their order.
 class OrderFreeVectors {
  public:
   void clear() {
@@ -42,7 +42,7 @@ class OrderFreeVectors {
   std::array<std::vector<double>, 3> terms_;
 };
 
-/// A wall may touch bodies everywhere, and a servo moves it by the sum.
+/// A wall may touch bodies of all processes, and the sum moves a servo wall.
 template <class Each>
 void gather_held(const ContactSet& contacts, Slot s, World& world, const Each& each) {
   thread_local OrderFreeVectors forces, torques;

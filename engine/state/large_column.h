@@ -1,6 +1,6 @@
-/// @file large_column.h  Columns of many megabytes in pages of 2 MB where the system has them: the loop over spheres
-/// reads partners all over its columns, and with pages of 4 kB every other such read waits for the page table first
-/// (a bed of 100 000: 26 MB are 6500 pages, twice what the processor remembers).
+/// @file large_column.h  Large columns in pages of 2 MB if the system has them. The loop over spheres reads partners
+/// all over its columns; with pages of 4 kB every other read misses the TLB (26 MB of a bed of 100 000 are 6500 pages,
+/// twice the TLB's size).
 #pragma once
 #include <cstddef>
 #include <new>
@@ -11,13 +11,13 @@
 namespace epafi {
 
 inline constexpr std::size_t large_page = std::size_t{2} << 20;
-/// As many whole large pages as fit in, small ones behind them; std::bad_alloc where there are none.
+/// Whole large pages, then small ones; std::bad_alloc if there is no memory.
 void* large_pages(std::size_t bytes);
 void free_large_pages(void* p);
 template <class T>
 struct LargePages {
   using value_type = T;
-  static constexpr std::size_t least = large_page;  ///< smaller columns stay where the heap puts them
+  static constexpr std::size_t least = large_page;  ///< smaller columns are on the heap
 
   LargePages() = default;
   template <class U>
@@ -61,8 +61,8 @@ struct UnwrittenPages : LargePages<T> {
 template <class T>
 using UnwrittenColumn = std::vector<T, UnwrittenPages<T>>;
 
-/// The same in small pages, for what is read from front to back only. (Rows of a solver in large ones: the narrow phase
-/// of 5000 stones, which does not touch them, took 1.60 s for 1.44 on a virtual Zen 5; why was not found.)
+/// The same in small pages, for data read in order. (With rows of a solver in large pages the narrow phase of 5000
+/// stones takes 1.60 instead of 1.44 s on a virtual Zen 5, for an unknown reason.)
 template <class T>
 struct UnwrittenSmallPages : UnwrittenPages<T> {
   UnwrittenSmallPages() = default;
@@ -81,9 +81,8 @@ void release(Column& column) {
   Column().swap(column);
 }
 
-/// `size` elements, none of them written. What was there is gone, and gone first where the column must grow: by a
-/// quarter more than asked for, which takes no memory until it is written, or by another share of small columns, whose
-/// room was written by others.
+/// Sets the size, with all elements uninitialised and the old ones discarded. A column that must grow is freed first,
+/// then reserves a quarter more than needed, which takes no memory until written; small columns reserve another share.
 template <class T, class Pages>
 void renew(std::vector<T, Pages>& column, std::size_t size, std::size_t share = 4) {
   static_assert(std::is_base_of_v<UnwrittenPages<T>, Pages>);

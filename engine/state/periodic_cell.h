@@ -1,10 +1,10 @@
 /// @file periodic_cell.h  A cell that repeats along some axes: images of bodies, and its uniform deformation.
-/// A contact may be with an image of B. Its number along each axis is counted from A's own cell along the unwrapped
-/// paths, so it does not change when a body is put back into the cell; modulo 4 it stands in the top byte of the
-/// contact's feature. A body must not reach further than one cell from where it is: images -1, 0, 1 are enough.
+/// A contact may be with an image of B. The image is numbered along each axis from A's own cell along the unwrapped
+/// paths, so that wrapping a body does not change the number; modulo 4 it is in the top byte of the contact's feature.
+/// Images -1, 0, 1 suffice, because a body extends over at most one cell.
 ///
-/// A deforming cell carries everything along with the flow strain_rate * x; World::velocity is what a body moves beside
-/// it, and contacts see the flow in addition (as Agnolin and Roux 2007 do).
+/// A deforming cell moves everything with the flow strain_rate * x. World::velocity is relative to it, and contacts add
+/// the flow (as in Agnolin and Roux 2007).
 #pragma once
 #include <array>
 #include <cmath>
@@ -28,7 +28,7 @@ inline std::uint32_t image_code(const Wraps& w) { return image_code(w.x(), w.y()
 /// -1, 0 or 1 of two bits.
 constexpr int image_step(std::uint32_t bits) { return (bits & 3u) == 3u ? -1 : static_cast<int>(bits & 3u); }
 
-/// The same pair seen from B: the code of Pair::image, its key in the next byte; both turn their sign.
+/// The same pair seen from B: the code of Pair::image and its key in the next byte, both with the opposite sign.
 constexpr std::uint32_t opposite_image(std::uint32_t image) {
   const auto turned = [](std::uint32_t code) {
     const auto bits = [code](int k) { return -static_cast<int>(code >> (2 * k) & 3u); };
@@ -40,7 +40,7 @@ constexpr std::uint32_t opposite_image(std::uint32_t image) {
 struct PeriodicCell {
   Vec3 low = Vec3::Zero(), size = Vec3::Ones();  ///< [m]; used along periodic axes only
   std::array<bool, 3> repeats{};
-  std::array<bool, 5> unused{};     ///< up to the next number: what a checkpoint writes is all defined
+  std::array<bool, 5> unused{};     ///< padding, so that all bytes of a checkpoint are defined
   Vec3 strain_rate = Vec3::Zero();  ///< of the cell's edges now, extension positive [1/s]; 0 along other axes
   Vec3 virial = Vec3::Zero();       ///< sum of force on A times branch A to B at the last evaluation, by axis [N m]
 
@@ -49,11 +49,11 @@ struct PeriodicCell {
     for (int k = 0; k < 3; ++k) s[k] = image_step(code >> (2 * k)) * size[k];
     return s;
   }
-  /// Cells from the cell itself to the one that x is in, along an axis.
+  /// Index of the cell that contains x, along an axis.
   double cells_to(const Vec3& x, int axis) const {
     return repeats[static_cast<std::size_t>(axis)] ? std::floor((x[axis] - low[axis]) / size[axis]) : 0.0;
   }
-  /// The place inside the cell, low <= x < low + size, that x is an image of.
+  /// The point inside the cell, low <= x < low + size, of which x is an image.
   Vec3 inside(Vec3 x) const {
     for (int k = 0; k < 3; ++k) {
       if (!repeats[static_cast<std::size_t>(k)]) continue;

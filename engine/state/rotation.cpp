@@ -44,7 +44,7 @@ SinCos sin_cos(double x) {
 
 namespace {
 
-/// Turns about body axis k by `angle`: q <- q * exp(e_k angle/2), body momentum turns the other way.
+/// Rotates about body axis k by `angle`: q <- q * exp(e_k angle/2); the momentum in body axes rotates the other way.
 void turn_about_axis(Quat& q, Vec3& momentum, int k, double angle) {
   if (angle == 0.0) return;  // of a body with two equal moments in two turns of three
   const SinCos half = sin_cos(0.5 * angle);

@@ -19,7 +19,7 @@ struct SpinLanes {
   Turn q;            ///< body to world
   Vectors momentum;  ///< world axes
   Vectors inverse;   ///< of the principal moments
-  MaskOf<V> far{};   ///< lanes that leave what the series below are for
+  MaskOf<V> far{};   ///< lanes outside the range of the series below
 
   EPAFI_LANES static V all(double x) { return V{} + x; }
   EPAFI_LANES static V pick(MaskOf<V> first, MaskOf<V> second, const Vectors& of) {

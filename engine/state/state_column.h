@@ -12,8 +12,8 @@
 
 namespace epafi {
 
-/// What moves of a body beside what a loop over contacts reads with it: 128 bytes, two cache lines. Radii, `predicted`
-/// and, of bodies with unequal moments, its fourth number are the contact model's own.
+/// Position and velocities of a body with the data that a loop over contacts reads with them: 128 bytes, two cache
+/// lines. Radii, `predicted` and, for unequal moments, its fourth number belong to the contact model.
 struct alignas(64) BodyState {
   Lanes position;   ///< x y z [m], radius [m]
   Lanes velocity;   ///< x y z [m/s], 1/mass [1/kg]
@@ -21,8 +21,8 @@ struct alignas(64) BodyState {
   Lanes predicted;  ///< velocity at the time of the detection [m/s], 1/moment of inertia [1/(kg m^2)]
 };
 
-/// A column by slot whose elements lie side by side in it, or as far apart as the records they are part of. Copies are
-/// columns of their own.
+/// A column by slot: either a contiguous array, or a strided view of one member of an array of records. Copies are
+/// arrays.
 template <class T>
 class StateColumn {
  public:
@@ -58,7 +58,7 @@ class StateColumn {
   StateColumn(const StateColumn& o) : own_(o.begin(), o.end()) { stand_alone(); }
   StateColumn(StateColumn&&) noexcept = default;
   ~StateColumn() = default;
-  /// Sizes agree where this one is part of records.
+  /// If this is a view of records, the sizes must agree.
   StateColumn& operator=(const StateColumn& o) {
     if (this == &o) return *this;
     resize(o.size());
@@ -80,7 +80,7 @@ class StateColumn {
 
   bool in_records() const { return in_records_; }
 
-  /// In records, as resize: they have the room, and are as many, already.
+  /// Does nothing for a view of records, like resize: their number is fixed elsewhere.
   void reserve(std::size_t n) {
     if (!in_records_) {
       own_.reserve(n);
@@ -93,14 +93,14 @@ class StateColumn {
       stand_alone();
     }
   }
-  /// Is part of so many records from now on; first: its place in the first one.
+  /// Becomes a view of `size` records; first: its member in the first one; stride: size of a record [B].
   void join(void* first, std::size_t stride, std::size_t size) {
     in_records_ = true;
     first_ = static_cast<std::byte*>(first);
     stride_ = stride;
     size_ = size;
   }
-  /// f(vector of all elements), which may change them and, in no records, their number.
+  /// Calls f with a vector of all elements, which it may change; also their number, except in records.
   template <class F>
   void as_vector(const F& f) {
     if (!in_records_) {

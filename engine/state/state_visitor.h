@@ -1,5 +1,5 @@
-/// @file state_visitor.h  One walk over all state: the same walk saves a checkpoint, loads it, hashes it and counts its
-/// bytes. Every owner of state offers `void visit(StateVisitor&)`; no floor above knows what a column means.
+/// @file state_visitor.h  Visitor of all state: the same walk saves a checkpoint, loads it, hashes it and counts its
+/// bytes. Every owner of state has `void visit(StateVisitor&)`; callers need not know what a column means.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace epafi {
 
-/// Whose the rows of a column are. Whoever takes bodies elsewhere takes these rows with them, and nothing else.
+/// Owner of the rows of a column. Code that moves bodies to other processes moves these rows with them.
 enum class RowsOf : std::uint8_t {
   nobody,        ///< the state as a whole
   bodies,        ///< row k: the body of slot k
@@ -23,14 +23,14 @@ enum class RowsOf : std::uint8_t {
   second_slots,  ///< its other one
   contacts,      ///< row k: contact k of the group that was begun last
   pairs,         ///< the same with both slots in the first eight bytes of a row, which begins a group
-  share          ///< a number, of a sum over all processes; or whether something is so in one of them
+  share          ///< a term of a sum over all processes, or a bool that is true if it is in one of them
 };
 
 class StateVisitor {
  public:
   virtual ~StateVisitor() = default;
 
-  /// False where what is loaded has no such column: a file older than it.
+  /// False if the loaded file has no such column (an older version).
   virtual bool has(std::string_view) const { return true; }
   /// A column of plain values; a loading visitor resizes it. `name` is unique in the walk ("world/position").
   template <class T, class Allocator>
@@ -60,7 +60,7 @@ class StateVisitor {
     column(name, values);
     whose_ = RowsOf::nobody;
   }
-  /// The same with records of so many numbers as rows.
+  /// The same with rows of `numbers` numbers.
   void records(RowsOf whose, std::string_view name, std::size_t numbers, std::vector<double>& values) {
     const std::size_t row = numbers * sizeof(double);
     whose_ = whose;
@@ -68,7 +68,7 @@ class StateVisitor {
     exchange(name, row, reinterpret_cast<std::byte*>(values.data()), values.size() * sizeof(double));
     whose_ = RowsOf::nobody;
   }
-  /// A number that is summed over all processes, or a bool that is true where it is in one of them.
+  /// A number that is summed over all processes, or a bool that is true if it is in one of them.
   template <class T>
   void share(std::string_view name, T& v) {
     static_assert(std::is_same_v<T, double> || std::is_same_v<T, bool>);
@@ -78,7 +78,7 @@ class StateVisitor {
   }
 
  protected:
-  /// Of the column that is shown now.
+  /// Owner of the rows of the present column.
   RowsOf whose() const { return whose_; }
   /// `exchange` uses the number of bytes only.
   virtual bool only_counts() const { return false; }
@@ -91,7 +91,7 @@ class StateVisitor {
   RowsOf whose_ = RowsOf::nobody;
 };
 
-/// Counts the bytes of all columns it is shown.
+/// Counts the bytes of all columns.
 class ByteCounter : public StateVisitor {
  public:
   std::size_t total = 0;

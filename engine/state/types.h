@@ -15,7 +15,7 @@ using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
 /// A body's name for life: never reused, written to files, the same on every machine.
 enum class BodyId : std::uint32_t {};
 
-/// Where a body lives in the columns at this moment; changes when bodies are sorted or removed.
+/// Present row of a body in the columns; changes when bodies are sorted or removed.
 using Slot = std::uint32_t;
 inline constexpr Slot no_slot = 0xffffffffu;
 

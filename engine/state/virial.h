@@ -11,23 +11,23 @@ namespace epafi {
 /// Force on A times branch from A to B, by axis [N m].
 using VirialSums = std::array<OrderFreeSum, 3>;
 
-/// As each of them is rounded by itself.
+/// Parts of the virial, each summed and rounded separately.
 struct Virial {
   VirialSums contacts;        ///< in the set
-  VirialSums spheres, balls;  ///< that a contact model finds itself: by places, and what balls add to their bodies
+  VirialSums spheres, balls;  ///< of contacts that the contact model finds itself: by places, and by balls of bodies
 
   Virial& operator+=(const Virial& other);
   Vec3 value() const;
 };
 
-/// Of contact i; nothing where another process counts it.
+/// Virial of contact i; 0 where another process counts it.
 inline std::array<double, 3> virial_term(const World& world, const ContactSet& contacts, std::size_t i) {
   if (!world.counts(contacts.a[i], contacts.b[i])) return {};
   const Vec3 branch = world.branch(contacts.a[i], contacts.b[i], contacts.feature[i]);
   const Vec3 term = contacts.force[i].cwiseProduct(branch);
   return {term.x(), term.y(), term.z()};
 }
-/// Of the contacts of a set that this process counts.
+/// Virial of the contacts of a set that this process counts.
 VirialSums virial_sums(const World& world, const ContactSet& contacts);
 
 }  // namespace epafi

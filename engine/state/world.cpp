@@ -118,7 +118,7 @@ Reordering World::reorder(std::span<const Slot> order) {
     LargeColumn<T> sorted(n);
     parallel_for(
         n, [&](std::size_t k) { sorted[k] = column[order[k]]; }, fill_grain<LargeColumn<T>>);
-    column.resize(n);  // in place: whoever holds an array over the column keeps it
+    column.resize(n);  // in place: arrays over the column remain valid
     parallel_for(
         n, [&](std::size_t k) { column[k] = sorted[k]; }, fill_grain<LargeColumn<T>>);
   });

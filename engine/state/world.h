@@ -17,18 +17,17 @@ namespace epafi {
 
 /// Which optional columns exist; the plan of the scene decides.
 struct Columns {
-  bool rotation = false;    ///< angular velocity, inverse inertia
-  bool orientation = true;  ///< with rotation; without it all bodies stand as authored
-  bool free_turn = true;    ///< with orientation: those of free bodies follow the spin; spheres look alike anyhow
-  bool anisotropy =
-      false;          ///< some free body has unequal principal moments: angular momentum is kept beside the velocity
-  bool force = true;  ///< force (and torque, with rotation): smooth contact only
+  bool rotation = false;         ///< angular velocity, inverse inertia
+  bool orientation = true;       ///< with rotation; without it bodies keep the orientation of the scene
+  bool free_turn = true;         ///< with orientation: free bodies rotate with their spin; not needed for spheres
+  bool anisotropy = false;       ///< some free body has unequal principal moments: angular momentum is stored too
+  bool force = true;             ///< force (and torque, with rotation): smooth contact only
   bool external_force = false;   ///< forces from outside on some bodies
   bool external_torque = false;  ///< and torques: with rotation
-  bool loose_force = false;      ///< with external_force: some of them follow time
+  bool loose_force = false;      ///< with external_force: some depend on time
   bool periodic = false;         ///< cells passed by each body
   bool held_force = false;       ///< contact forces on fixed and driven bodies are summed too
-  bool states = false;  ///< what moves of a body and its inertia lie in one BodyState: a contact model reads them so
+  bool states = false;           ///< one BodyState per body holds position, velocities and inertia
 };
 
 /// One body as it enters the world.
@@ -44,7 +43,7 @@ struct Body {
   std::uint16_t material = 0;
 };
 
-/// Where every slot went: new_slot[old], no_slot where the body was removed. Stages remap what they keep.
+/// New slot of every body: new_slot[old], no_slot for a removed body. Stages renumber the data that they keep.
 struct Reordering {
   std::vector<Slot> new_slot;
 };
@@ -59,44 +58,44 @@ class World {
   ~World() = default;
 
   double time = 0.0;                   ///< [s]
-  double clock = 0.0;                  ///< since the present stage began [s]
+  double clock = 0.0;                  ///< time since the start of the present stage [s]
   Vec3 gravity = Vec3::Zero();         ///< [m/s^2]
-  Vec3 loose_gravity = Vec3::Zero();   ///< the part of it that follows time: it has no potential [m/s^2]
+  Vec3 loose_gravity = Vec3::Zero();   ///< the time-dependent part of it, without potential [m/s^2]
   Vec3 fallen = Vec3::Zero();          ///< integral of gravity over time [m/s]
-  std::optional<PeriodicCell> cell{};  ///< where space repeats; with columns().periodic
+  std::optional<PeriodicCell> cell{};  ///< periodic cell; with columns().periodic
 
   std::vector<BodyId> id;  ///< of each slot
   std::vector<std::uint32_t> shape;
   std::vector<std::uint16_t> material;
-  StateColumn<double> inverse_mass;   ///< [1/kg], 0 for fixed and driven bodies
-  StateColumn<Vec3> position;         ///< [m]
-  StateColumn<Vec3> velocity;         ///< [m/s]
-  std::vector<Wraps> wraps;           ///< cells passed; with columns().periodic
-  std::vector<Vec3> force;            ///< contact force at the last detection [N]; with columns().force
-  std::vector<Vec3> external_force;   ///< [N]; with columns().external_force
-  std::vector<Vec3> external_torque;  ///< world axes [N m]; with columns().external_torque
-  std::vector<Vec3> loose_force;  ///< the part of the external force that follows time [N]; with columns().loose_force
-  std::vector<Quat> orientation;  ///< with columns().rotation and columns().orientation
+  StateColumn<double> inverse_mass;    ///< [1/kg], 0 for fixed and driven bodies
+  StateColumn<Vec3> position;          ///< [m]
+  StateColumn<Vec3> velocity;          ///< [m/s]
+  std::vector<Wraps> wraps;            ///< cells passed; with columns().periodic
+  std::vector<Vec3> force;             ///< contact force at the last detection [N]; with columns().force
+  std::vector<Vec3> external_force;    ///< [N]; with columns().external_force
+  std::vector<Vec3> external_torque;   ///< world axes [N m]; with columns().external_torque
+  std::vector<Vec3> loose_force;       ///< time-dependent part of the external force [N]; with columns().loose_force
+  std::vector<Quat> orientation;       ///< with columns().rotation and columns().orientation
   StateColumn<Vec3> angular_velocity;  ///< world axes [rad/s]; with columns().rotation, as are the next ones
   std::vector<Vec3> inverse_inertia;   ///< principal axes [1/(kg m^2)]; with columns().anisotropy, else the next one
   StateColumn<double> inverse_moment;  ///< of bodies with equal principal moments [1/(kg m^2)]
   std::vector<Vec3> torque;            ///< [N m]; with columns().force
-  std::vector<Vec3>
-      angular_momentum;  ///< world axes [kg m^2/s]; with columns().anisotropy: the state, the velocity follows from it
+  std::vector<Vec3> angular_momentum;  ///< world axes [kg m^2/s]; with columns().anisotropy it is the state, and
+                                       ///< determines the angular velocity
 
-  /// Whose a body is where several processes have parts of the bodies.
+  /// Which process owns a body, in runs of several processes.
   enum Owner : std::uint8_t { elsewhere = 0, here = 1, everywhere = 2 };
   std::vector<std::uint8_t> owner;  ///< by slot; empty: all bodies are here
-  /// A contact is counted by one process, the owner of its first free body.
+  /// True if this process counts the contact in sums: it owns the contact's first free body.
   bool counts(Slot a, Slot b) const { return owner.empty() || owner[owner[a] == everywhere ? b : a] == here; }
 
   std::size_t size() const { return id.size(); }
-  /// With columns().states: where position, velocity, spin and inertia of the bodies are; else empty. Behind the last
-  /// one stands one more, which is nowhere (NaN): what would touch it touches nothing.
+  /// With columns().states: position, velocity, spin and inertia of the bodies; else empty. One more entry after the
+  /// last body holds NaN, so that loops over groups of bodies may read past the end without a contact.
   std::span<BodyState> states() { return std::span(states_).subspan(states_before_, state_count()); }
   std::span<const BodyState> states() const { return std::span(states_).subspan(states_before_, state_count()); }
-  /// So many more stand before that of the first body, for what a contact model keeps in the same way; they are its own
-  /// and no state, and bodies' states are elsewhere afterwards.
+  /// Reserves `count` entries before the first body's for a contact model (balls of clumps). They are not part of the
+  /// state. Invalidates the spans of states().
   void set_states_before(std::size_t count);
   std::size_t states_before() const { return states_before_; }
   bool rotates() const { return columns_.rotation; }
@@ -106,40 +105,39 @@ class World {
   Slot slot_of(BodyId body) const { return slot_of_[static_cast<std::uint32_t>(body)]; }  ///< no_slot when removed
   std::size_t ids_given() const { return slot_of_.size(); }
 
-  /// Along the path, cells passed counted in [m].
+  /// Position along the path, without wrapping in the periodic cell [m].
   Vec3 unwrapped(Slot s) const {
     return cell ? Vec3(position[s] + wraps[s].cast<double>().cwiseProduct(cell->size)) : position[s];
   }
-  /// As files show it: that of a free body inside the cell [m]. Bodies are put back only after they have left it for a
-  /// while.
+  /// Position for files: free bodies inside the periodic cell [m]. The columns wrap bodies only now and then.
   Vec3 shown_position(Slot s) const { return cell && is_movable(s) ? cell->inside(position[s]) : position[s]; }
-  /// From B to the image of B that a contact is with [m]; image: the top byte of its feature.
+  /// Vector from B to the image of B in contact [m]; the top byte of the feature names the image.
   Vec3 image_shift(Slot a, Slot b, std::uint64_t feature) const {
     const auto key = static_cast<std::uint32_t>(feature >> 56);
     const Wraps passed = wraps[b] - wraps[a];
     return cell->shift(image_code(passed.x() + static_cast<int>(key & 3u), passed.y() + static_cast<int>(key >> 2 & 3u),
                                   passed.z() + static_cast<int>(key >> 4 & 3u)));
   }
-  /// From the centre of A to that of B, or to its image that a contact is with [m].
+  /// Branch vector: from the centre of A to that of B or of B's image in contact [m].
   Vec3 branch(Slot a, Slot b, std::uint64_t feature) const {
     const Vec3 straight = position[b] - position[a];
     return cell ? Vec3(straight + image_shift(a, b, feature)) : straight;
   }
 
   Pose pose(Slot s) const { return {position[s], has_orientation() ? orientation[s] : Quat(1, 0, 0, 0)}; }
-  /// Acceleration by everything but contact: gravity and external force [m/s^2]; zero for fixed bodies.
+  /// Acceleration without contact forces: gravity and external force [m/s^2]; zero for fixed bodies.
   Vec3 free_acceleration(Slot s) const {
     if (inverse_mass[s] == 0.0) return Vec3::Zero();
     return columns_.external_force ? Vec3(gravity + inverse_mass[s] * external_force[s]) : gravity;
   }
-  /// The part of it that has a potential: gravity and forces that do not follow time [m/s^2].
+  /// Its part with a potential: constant gravity and external force [m/s^2].
   Vec3 steady_acceleration(Slot s) const {
     Vec3 all = free_acceleration(s);
     if (inverse_mass[s] == 0.0) return all;
     all -= loose_gravity;
     return columns_.loose_force ? Vec3(all - inverse_mass[s] * loose_force[s]) : all;
   }
-  /// Whole acceleration, with the stored contact force.
+  /// Total acceleration, with the stored contact force [m/s^2].
   Vec3 acceleration(Slot s) const { return free_acceleration(s) + inverse_mass[s] * force[s]; }
   /// I^-1 x in world axes.
   Vec3 apply_inverse_inertia(Slot s, const Vec3& x) const {
@@ -154,7 +152,7 @@ class World {
       angular_velocity[s] += inverse_moment[s] * impulse;
   }
   void set_angular_velocity(Slot s, const Vec3& w);
-  /// Motion of the orientation over dt: torque-free for free bodies, with constant angular velocity for driven ones.
+  /// Rotates the orientation over dt [s]: torque-free for free bodies, with constant angular velocity for driven ones.
   void rotate(Slot s, double dt) {
     if (!columns_.orientation || (!columns_.free_turn && is_movable(s))) return;
     if (is_isotropic(s))
@@ -162,7 +160,7 @@ class World {
     else
       rotate_at(s, dt);
   }
-  /// Equal principal moments: spheres, cubes; fixed bodies too.
+  /// True for equal principal moments (spheres, cubes), and for fixed bodies.
   bool is_isotropic(Slot s) const {
     if (!columns_.anisotropy) return true;
     const Vec3& i = inverse_inertia[s];

@@ -36,7 +36,7 @@ void WrapBodies::answer(World& world) {
     for (int k = 0; k < 3; ++k) {
       if (!is_outside(world, s, k, world.is_movable(s) ? 0.0 : slack_)) continue;
       const double n = cell.cells_to(world.position[s], k);
-      if (!(std::abs(n) < 1e9)) continue;  // no number: whoever watches the state reports it
+      if (!(std::abs(n) < 1e9)) continue;  // not finite: reported by the checks of the state
       world.position[s][k] -= n * cell.size[k];
       world.wraps[s][k] += static_cast<int>(n);
     }
@@ -45,11 +45,11 @@ void WrapBodies::answer(World& world) {
 
 namespace {
 
-/// The next strain rate of an axis, `share` of the limit per relative excess of the stress over its target. A packing
-/// near jamming is so stiff that a share fit for the gas before it overshoots within a step and shakes the packing for
-/// ever; hence the share begins at 1, halves where the direction changes, down to a hundredth, and grows again slowly
-/// where it stays. fall: of the target in this step; a packing's stiffness over its pressure rises by as much, and
-/// where the share does not follow the packing falls apart.
+/// The next strain rate of an axis: `share` of the limit per relative excess of the stress over its target. Near
+/// jamming a packing is so stiff that a share suitable for the gas would overshoot within a step and vibrate for ever.
+/// So the share begins at 1, halves at each change of direction, down to a hundredth, and otherwise grows slowly. fall:
+/// decrease of the target in this step; the stiffness over pressure of a packing rises by as much, so the share must
+/// follow or the packing falls apart.
 double followed(double before, double excess, double limit, double fall, double& share) {
   constexpr double growth = 2e-5, least = 1e-2;  // per step; of the limit
   share = before * excess < 0.0 ? 0.5 * share : std::min(1.0, (1.0 + growth) * share);

@@ -1,4 +1,4 @@
-/// @file cell_events.h  What happens to a periodic cell between steps: bodies put back into it, its deformation.
+/// @file cell_events.h  Events of a periodic cell between steps: wrapping of bodies, deformation.
 #pragma once
 #include <optional>
 
@@ -6,8 +6,8 @@
 
 namespace epafi {
 
-/// Puts all bodies back into the cell as soon as one is `slack` outside: the pair list is built anew each time, so not
-/// at every crossing.
+/// Wraps all bodies into the cell as soon as one is `slack` outside; not at every crossing, since each wrap rebuilds
+/// the pair list.
 class WrapBodies final : public Event {
  public:
   /// slack [m], > 0
@@ -24,9 +24,9 @@ class WrapBodies final : public Event {
   double slack_;
 };
 
-/// Deforms the cell and carries the free bodies along: at a given rate, or towards a pressure.
-/// Pressure: each periodic axis strains at rate_limit s (sigma - P)/P, at most rate_limit s, sigma the stress of the
-/// contacts along it and s <= 1 a share that falls while the direction keeps changing.
+/// Deforms the cell and moves the free bodies with it, at a given rate or towards a pressure. Pressure: each periodic
+/// axis strains at rate_limit s (sigma - P)/P, at most rate_limit s, with the contact stress sigma along it and a
+/// factor s <= 1 that falls while the direction keeps changing.
 struct CellControl {
   Vec3 strain_rate = Vec3::Zero();                   ///< [1/s]; where no pressure is given
   std::optional<double> pressure;                    ///< P [Pa], > 0
@@ -41,7 +41,7 @@ class DeformCell final : public Event {
   /// elapsed: of its time when the present stage began [s].
   explicit DeformCell(CellControl control, double elapsed = 0.0) : control_(control), elapsed_(elapsed) {}
   void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
-  /// Every process knows the virial of all contacts (engine/state/virial.h) and carries the bodies that it has.
+  /// Every process knows the virial of all contacts (engine/state/virial.h) and moves its own bodies.
   bool is_local() const override { return true; }
   void visit(StateVisitor& visitor) override { visitor.value("cell/share", share_); }
 

@@ -1,5 +1,5 @@
-/// @file contact_pieces.h  The contacts of a step, a piece at a time: columns of all that a contact model finds itself
-/// took 40 bytes a sphere for their gaps, 350 for what a frame draws.
+/// @file contact_pieces.h  The contacts of a step, in pieces: columns of all contacts that a model finds itself would
+/// take 40 bytes a sphere for gaps, 350 for the data of a frame.
 #pragma once
 #include <algorithm>
 
@@ -10,7 +10,7 @@ namespace epafi {
 
 class ContactPieces {
  public:
-  /// model: whose own contacts come on top; null: there are none.
+  /// model: has contacts of its own in addition; null: none.
   ContactPieces(const World& world, const ContactSet& contacts, const ContactModel* model = nullptr)
       : world_(world),
         contacts_(contacts),
@@ -19,13 +19,13 @@ class ContactPieces {
         size_(known_ + (model != nullptr ? model->own_parts() : 0)) {}
   std::size_t size() const { return size_; }
   bool is_own(std::size_t piece) const { return piece >= known_; }
-  /// Contacts of a piece where all of them are known to touch.
+  /// Number of contacts of a piece if all of them are known to touch.
   std::optional<std::size_t> all_touching(std::size_t piece) const {
     return is_own(piece) ? model_->own_count(piece - known_) : std::nullopt;
   }
 
-  /// f(contacts, begin, end): those of a piece with a, b, gap and, where it is known, force. Points of one pair stand
-  /// behind each other in `contacts`, which a piece may divide. Several threads may read.
+  /// Calls f(contacts, begin, end) for a piece, with a, b, gap and, if known, force. Points of one pair are
+  /// consecutive, but a pair may extend over two pieces. Thread-safe.
   template <class F>
   void read_gaps(std::size_t piece, const F& f) const {
     read_by(piece, &ContactModel::append_gaps, f);

@@ -22,7 +22,7 @@ bool is_finite(const World& world, Slot s) {
 
 namespace {
 
-/// x*0 is 0 for every finite number and NaN for all others: their sum says of all at once.
+/// x*0 is 0 for finite numbers and NaN for all others, so one sum tests all.
 bool all_finite(const StateColumn<Vec3>& column) {
   const auto strange = [&](std::size_t s) { return static_cast<char>(!column[s].allFinite()); };
   if (column.in_records()) return block_max<char>(column.size(), 0, strange) == 0;

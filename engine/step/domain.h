@@ -1,4 +1,4 @@
-/// @file domain.h  The box the bodies must stay in, and the watch for states that are no numbers.
+/// @file domain.h  The box that bodies must not leave, and the test for states that are not finite.
 #pragma once
 #include <limits>
 #include <optional>
@@ -25,7 +25,7 @@ struct Domain {
   bool contains(const Vec3& x) const { return (x.array() >= min.array()).all() && (x.array() <= max.array()).all(); }
 };
 
-/// Where all free bodies lie [m], and whether all their positions and velocities are numbers.
+/// Extent of all free bodies [m], and whether all their positions and velocities are finite.
 struct Extent {
   static constexpr double none = std::numeric_limits<double>::infinity();
   Vec3 low = Vec3::Constant(none), high = Vec3::Constant(-none);
@@ -40,14 +40,14 @@ struct Extent {
     finite = finite && o.finite;
     return *this;
   }
-  /// No body can be astray.
+  /// True if certainly no body is outside or not finite.
   bool is_inside(const std::optional<Domain>& domain) const {
     return finite && (!domain || (domain->contains(low) && domain->contains(high)));
   }
 };
 
-/// Free bodies whose position or velocity is no number, or outside the domain, in the order of ids. Almost always
-/// empty: one pass over positions and velocities.
+/// Free bodies that are outside the domain or whose position or velocity is not finite, in the order of ids; one pass
+/// over positions and velocities.
 std::vector<Slot> find_strays(const World& world, const std::optional<Domain>& domain);
 bool is_finite(const World& world, Slot s);
 

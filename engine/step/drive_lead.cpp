@@ -19,7 +19,7 @@ void DriveLead::before_step(World& world, double dt, std::vector<BodyId>&) {
   state_.end = state_.middle + rise;
   world.velocity[s] = state_.end;
   world.position[s] -= dt * rise;
-  // the force of the last detection has worked with the velocity of that time, over half a step on both sides
+  // the force of the last detection acts with the velocity of that time, over half a step on both sides
   if (world.columns().held_force) ledger_.add_work(0.5 * dt * world.force[s].dot(state_.end - before.end));
 }
 

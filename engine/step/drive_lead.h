@@ -21,7 +21,7 @@ class DriveLead final : public Event {
   struct State {                 // plain: one value of the checkpoint
     Vec3 middle = Vec3::Zero();  ///< velocity in the middle of the last step [m/s]
     Vec3 change = Vec3::Zero();  ///< from the step before it [m/s]
-    Vec3 end = Vec3::Zero();     ///< what contacts saw [m/s]
+    Vec3 end = Vec3::Zero();     ///< velocity used by contacts [m/s]
   };
   BodyId body_;
   EnergyLedger& ledger_;

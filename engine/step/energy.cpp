@@ -63,7 +63,7 @@ void EnergyLedger::add(const StepReport& report, double fall) {
 void EnergyLedger::accept_jump(const World& world, double stored_before) {
   const double jump = stored(world) - stored_before;
   now_.work += jump;
-  // the spread is that of the bodies' motion: a body that is taken out does not widen it
+  // removed bodies do not widen the spread of the potential energy
   const double potential = potential_energy(world);
   const double change = potential - now_.potential;
   lowest_potential_ += change;
@@ -90,15 +90,15 @@ Energy EnergyLedger::measure(const BodyTotals& bodies) {
 }
 
 double EnergyLedger::error() const {
-  // what solvers leave of bodies at rest goes to and fro: below a thousandth of what one step of free fall gives them
-  // it is no gain
+  // residual velocities of bodies at rest oscillate: below a thousandth of the energy of one step of free fall they are
+  // no gain
   const double gain = now_.dissipated - now_.taken, noise = 1e-3 * 0.5 * mass_ * fall_ * fall_;
   return now_.stored() - start_ + now_.dissipated - now_.work - std::min(gain, noise);
 }
 
 double EnergyLedger::relative(double error) const {
   const double reference = largest_inner_ + (highest_potential_ - lowest_potential_);
-  // what is left of sums of large terms is rounding: a body at rest high up has no energy error
+  // differences of large terms contain rounding: a body at rest at a large height has no energy error
   const double rounding =
       1e-14 * (std::abs(now_.potential) + std::abs(start_) + now_.kinetic + std::abs(now_.elastic) + now_.dissipated);
   if (!std::isfinite(error)) return error;

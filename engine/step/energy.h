@@ -1,11 +1,10 @@
-/// @file energy.h  The energy ledger: what is stored, what was lost, what came in. It must close in every run.
+/// @file energy.h  The energy ledger: stored, dissipated and supplied energy. Its error is checked in every run.
 /// relative_error = (E(t) - E(0) + dissipated - work) / E_ref, E_ref = max over time of kinetic + |elastic|, plus the
-/// spread of the potential energy; elastic is negative where adhesion holds bodies. Potential: gravity and external
-/// forces, not their parts that follow time. What position correction puts in is part of the error and shown by itself.
-/// Where contacts put in more than they took since they had taken most, the difference is `gained`, which no term
-/// balances, so that it stays in the error. Of dashpots a step books what their forces do by the velocity of its
-/// middle, and the rest when the next steps know it: what they take back of the last steps' dashpots is no gain. Sums
-/// over bodies depend on no order.
+/// spread of the potential energy; elastic is negative where adhesion holds bodies. Potential energy: of constant
+/// gravity and external forces. Energy from position correction is part of the error and is also reported separately.
+/// `gained` is the energy that contacts created: the largest drop of `taken` below its earlier maximum. No term
+/// balances it, so it stays in the error. Work of dashpots is booked by the velocity in the middle of the step and
+/// corrected in the next steps; such a correction is no gain. Sums over bodies do not depend on the order.
 #pragma once
 #include "engine/state/state_visitor.h"
 #include "engine/state/world.h"
@@ -28,35 +27,34 @@ Vec3 linear_momentum(const World& world);
 struct Energy {
   double kinetic = 0, potential = 0, elastic = 0;  ///< stored now [J]
   double dissipated = 0, work = 0;                 ///< since the start [J]
-  double correction = 0;                           ///< put in by moving overlapping bodies apart, since the start [J]
-  double gained = 0;                               ///< most that contacts had put in beyond what they took [J], >= 0
-  double taken = 0;                                ///< by contacts, less what they put in [J]
+  double correction = 0;                           ///< created by position correction, since the start [J]
+  double gained = 0;                               ///< created by contacts [J], >= 0
+  double taken = 0;                                ///< net energy that contacts took from the bodies [J]
   Losses losses;                                   ///< parts of `dissipated`, of smooth contact
   double stored() const { return kinetic + potential + elastic; }
 };
 
 class EnergyLedger {
  public:
-  /// The state of time 0. met: lost where bodies meet in it; E(0) is that before they do.
+  /// Starts from the state of time 0. met: energy lost as bodies of that state come into contact; E(0) includes it.
   void start(const World& world, const StepReport& report, const Losses& met = {});
-  /// After every step: adds its losses and work.
-  /// fall: |g| dt [m/s], the speed that a step of impulses knows velocities to.
+  /// Adds losses and work of a step. fall: |g| dt [m/s], the accuracy of velocities in non-smooth contact.
   void add(const StepReport& report, double fall = 0.0);
-  /// Of loads that follow time [J].
+  /// Adds the work of time-dependent loads [J].
   void add_work(double work) { now_.work += work; }
   /// Bodies were added or removed: the jump of stored energy counts as work.
   void accept_jump(const World& world, double stored_before);
-  /// Bodies with these energies [J] came in.
+  /// Bodies with these energies [J] were added.
   void accept_bodies(double kinetic, double potential);
-  /// The elastic energy after such a change, before the jump is accepted.
+  /// Sets the elastic energy after such a change; call it before accept_jump.
   void take_elastic(const StepReport& report) { now_.elastic = report.elastic; }
-  /// Stored energies now; extends E_ref. Costs one pass over the bodies, so call it as often as the error is wanted.
+  /// Measures the stored energies and extends E_ref, in one pass over the bodies.
   Energy measure(const World& world) { return measure(body_totals(world)); }
   Energy measure(const BodyTotals& bodies);
 
   const Energy& last() const { return now_; }
   double relative_error() const { return relative(error()); }
-  /// The same without what position correction put in, whose cause is known.
+  /// The same without the energy of position correction.
   double unexplained_error() const { return relative(error() - now_.correction); }
   double stored(const World& world) const { return kinetic_energy(world) + potential_energy(world) + now_.elastic; }
   void visit(StateVisitor& visitor);
@@ -66,8 +64,8 @@ class EnergyLedger {
   double relative(double error) const;
   Energy now_;
   double start_ = 0;          ///< E(0) [J]
-  double settled_ = 0;        ///< most that contacts had taken but for what is early [J]
-  double early_ = 0;          ///< of dashpots, that the next steps may take back: twice a step's, halved by each [J]
+  double settled_ = 0;        ///< maximum of `taken` minus early_ [J]
+  double early_ = 0;          ///< loss of dashpots that the next steps may correct: twice a step's, halved by each [J]
   double largest_inner_ = 0;  ///< max of kinetic + |elastic| [J]
   double lowest_potential_ = 0, highest_potential_ = 0;
   double mass_ = 0;  ///< of the free bodies when the energies were last measured [kg]; with impulses only

@@ -14,7 +14,7 @@ double active_time(const Motion& motion, double time) {
   return std::clamp(time, motion.from, motion.until) - motion.from;
 }
 
-/// Where this motion takes a point that is at x when it begins.
+/// Position under this motion of a point that is at x at its start.
 Vec3 moved_point(const Motion& motion, const Vec3& start, double time) {
   const double t = active_time(motion, time);
   Vec3 x = start;
@@ -29,7 +29,7 @@ Vec3 moved_point(const Motion& motion, const Vec3& start, double time) {
   return motion.table ? Vec3(x + motion.table->displacement(t)) : x;
 }
 
-/// It moves nothing from now to then.
+/// True if it moves nothing in this interval.
 bool is_still(const Motion& motion, double now, double then) {
   const double first = active_time(motion, now), last = active_time(motion, then);
   if (first == last) return true;
@@ -86,8 +86,8 @@ void DriveBody::before_step(World& world, double dt, std::vector<BodyId>&) {
   const Slot s = world.slot_of(body_);
   if (s == no_slot) return;
   const double time = world.clock + elapsed_;
-  // a table is followed from where the body is: over millions of steps rounding does not add up. Not along a periodic
-  // axis: there it is put back by whole cells
+  // a table is followed from the body's present position, so that rounding does not accumulate over millions of steps;
+  // not along a periodic axis, where bodies are wrapped
   Vec3 from = position_at(time);
   for (int k = 0; k < 3 && alone_ && follows_table(); ++k)
     if (!world.cell || !world.cell->repeats[static_cast<std::size_t>(k)]) from[k] = world.position[s][k];
@@ -95,7 +95,7 @@ void DriveBody::before_step(World& world, double dt, std::vector<BodyId>&) {
   if (world.rotates()) world.angular_velocity[s] = spin(time, dt);
 }
 
-/// It stands still in this step and in the next one.
+/// True if it is at rest in this step and in the next one.
 bool DriveBody::rests_next(const World& world, double dt) const {
   if (world.slot_of(body_) == no_slot) return true;
   const double now = world.clock + elapsed_;

@@ -1,5 +1,5 @@
-/// @file events.h  What changes the world between steps: driven motion, removal. An ordered list run before the step,
-/// never hooks in it.
+/// @file events.h  Changes of the world between steps: driven motion, removal. An ordered list that runs before the
+/// step.
 #pragma once
 #include <memory>
 #include <optional>
@@ -14,14 +14,14 @@ namespace epafi {
 class Event {
  public:
   virtual ~Event() = default;
-  /// Acts on the state of time t before the step to t + dt; bodies to be taken out are appended to `leaving`.
+  /// Acts on the state of time t before the step to t + dt; appends bodies to remove to `leaving`.
   virtual void before_step(World& world, double dt, std::vector<BodyId>& leaving) = 0;
-  /// Called after before_step(world, dt). True: the next call, after a step as long, neither changes nor reads a body,
-  /// so a contact model may begin that step early.
+  /// Called after before_step(world, dt). True if the next call, after a step of the same length, neither changes nor
+  /// reads a body; a contact model may then begin that step early.
   virtual bool rests_next(const World& /*world*/, double /*dt*/) const { return false; }
-  /// It reads only what every process of a run knows, fixed and driven bodies, so each can execute it by itself.
+  /// True if it reads only fixed and driven bodies, which every process of a run has, so that each can execute it.
   virtual bool is_local() const { return false; }
-  /// A local event that all bodies decide on: every process does `answer` where `asks` is true on some of them.
+  /// True for a local event that depends on all bodies: every process calls `answer` if `asks` is true on any of them.
   virtual bool is_common() const { return false; }
   virtual bool asks(const World&) const { return false; }
   virtual void answer(World&) {}
@@ -43,12 +43,12 @@ struct Motion {
   double until = std::numeric_limits<double>::infinity();
 };
 
-/// Sets the velocity so that the drift of the step ends exactly on the prescribed path. Several motions act one after
-/// the other: what an earlier one has turned or moved, a later one turns about its axis (spin, then orbit) and moves
-/// on. Times are those of the stage's clock and what had passed of the motion's own time when the stage began.
+/// Sets the velocity so that the drift of the step ends exactly on the prescribed path. Several motions are applied one
+/// after the other: a later one rotates and moves the result of the earlier ones (spin, then orbit). Times count from
+/// the stage's start, plus `elapsed`, the motion's own time before it.
 class DriveBody final : public Event {
  public:
-  /// alone: nothing else moves the body; a servo does.
+  /// alone: no servo moves the body too.
   DriveBody(BodyId body, std::vector<Motion> motions, const Vec3& start, double elapsed = 0.0, bool alone = true)
       : body_(body), motions_(std::move(motions)), start_(start), elapsed_(elapsed), alone_(alone) {}
   void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
@@ -56,7 +56,7 @@ class DriveBody final : public Event {
   bool is_local() const override { return true; }
   void visit(StateVisitor& visitor) override;
   BodyId body() const { return body_; }
-  /// Where the body is as its motion begins [m].
+  /// Sets the position of the body at the start of its motion [m].
   void begin_at(const Vec3& start) { start_ = start; }
   const Vec3& start() const { return start_; }
 
@@ -72,10 +72,10 @@ class DriveBody final : public Event {
   bool alone_;
 };
 
-/// Takes bodies out at a time [s].
+/// Removes bodies at a time [s].
 class RemoveBodies final : public Event {
  public:
-  /// elapsed: of this time when the present stage began [s].
+  /// elapsed: time that had passed when the present stage began [s].
   RemoveBodies(std::vector<BodyId> bodies, double time, double elapsed = 0.0)
       : bodies_(std::move(bodies)), time_(time), elapsed_(elapsed) {}
   void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;

@@ -6,7 +6,7 @@ namespace epafi {
 
 namespace {
 
-/// Its work is counted here: of several processes by its owner.
+/// True if this process counts its work: the owner does.
 bool is_own(const World& world, Slot s) {
   return world.is_movable(s) && (world.owner.empty() || world.owner[s] == World::here);
 }

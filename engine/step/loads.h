@@ -1,8 +1,7 @@
-/// @file loads.h  Gravity, forces and torques that follow time. What follows time has no potential: its work is booked,
-/// force times way and torque times turn of each step.
-/// Gravity and forces hold the value of the step's middle through the step: of second order. Torques of smooth contact
-/// kick half a step before and half after, each with the value of its moment; those of non-smooth contact enter the
-/// problem of the step.
+/// @file loads.h  Time-dependent gravity, forces and torques. They have no potential: the ledger counts their work,
+/// force times displacement and torque times rotation of each step. Gravity and forces have the value of the step's
+/// middle (second order). In smooth contact torques act as two half kicks, with the values at start and end of the
+/// step; in non-smooth contact they enter the problem of the step.
 #pragma once
 #include <functional>
 #include <vector>
@@ -24,7 +23,7 @@ struct BodyLoad {
 
 class Loads {
  public:
-  /// gravity: its part that follows time, beside `steady`; empty: none. elapsed: of its time when the stage began [s].
+  /// gravity: the time-dependent part, added to `steady`; empty: none. elapsed: its time when the stage began [s].
   struct Gravity {
     TimeVector loose{};
     Vec3 steady = Vec3::Zero();  ///< [m/s^2]
@@ -33,9 +32,9 @@ class Loads {
   Loads(Gravity gravity, std::vector<BodyLoad> bodies, bool kicks)
       : gravity_(std::move(gravity)), bodies_(std::move(bodies)), kicks_(kicks) {}
 
-  /// Gravity, forces and torques of a moment of the stage's clock [s].
+  /// Sets gravity, forces and torques of a time of the stage's clock [s].
   void set(World& world, double clock) const;
-  /// Sets those of the middle of the step that begins now.
+  /// Sets those in the middle of the step that begins now.
   void before_step(World& world, double dt);
   /// The work of the step [J].
   double after_step(World& world, double dt);

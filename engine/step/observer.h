@@ -25,13 +25,13 @@ struct StepView {
   const BodyTotals* bodies = nullptr;       ///< of this moment; null: `world` has the bodies
   const OverlapTotals* overlaps = nullptr;  ///< of this moment, where contacts may be elsewhere; null: they are here
 
-  /// All contacts, those that are not among `contacts` too.
+  /// All contacts, including those that are not in `contacts`.
   ContactPieces pieces() const { return {world, contacts, model}; }
   BodyTotals totals() const { return bodies != nullptr ? *bodies : body_totals(world); }
 };
 
-/// What an observer reads of contacts: nothing, what is summed over overlaps (StepView::overlaps, or else pieces),
-/// single ones of StepView::pieces, or all of them in `contacts`.
+/// Contacts that an observer reads: none, sums over overlaps (StepView::overlaps, or else pieces), single ones in
+/// StepView::pieces, or all in `contacts`.
 enum class ContactView { none, overlaps, pieces, all };
 
 /// Called when `is_due`; the simulation measures the energies before if `wants_energy`.
@@ -40,28 +40,28 @@ class Observer {
   virtual ~Observer() = default;
   virtual bool is_due(std::uint64_t step) const = 0;
   virtual bool wants_energy(std::uint64_t /*step*/) const { return false; }
-  /// It reads single bodies in this step: they come together from wherever they are. If no observer does, nor wants
-  /// energies, the next step may begin before this one is shown.
+  /// True if it reads single bodies in this step; several processes then gather them. If no observer reads bodies or
+  /// energies, the next step may begin before observers see this one.
   virtual bool wants_bodies(std::uint64_t step) const { return is_due(step); }
-  /// In this step (`last`: the last one of the run). Contacts that no observer reads are not written out: a contact
-  /// model that finds contacts of its own shows them piece by piece where that is enough.
+  /// Contacts that it reads in this step (last: the last of the run). A contact model with contacts of its own writes
+  /// only what observers read, in pieces if that is enough.
   virtual ContactView wants_contacts(std::uint64_t step, bool last) const {
     return last || is_due(step) ? ContactView::all : ContactView::none;
   }
   virtual void observe(const StepView& view) = 0;
-  /// Between two steps: the bodies from slot `first` on have entered at their present positions.
+  /// Called between two steps: the bodies from slot `first` on have entered at their present positions.
   virtual void bodies_come(const World& /*world*/, std::size_t /*first*/) {}
-  /// Between two steps, before these bodies are removed.
+  /// Called between two steps, before these bodies are removed.
   virtual void bodies_leave(const World& /*world*/, std::span<const BodyId> /*bodies*/) {}
   virtual void visit(StateVisitor&) {}
 };
 
-/// Due in the steps nearest to the multiples of an interval, and at step 0: the k-th time is within half a step of
-/// k times the interval however long the run is.
+/// Due in the steps nearest to the multiples of an interval, and at step 0: always within half a step of k times the
+/// interval.
 class EverySteps {
  public:
   EverySteps() = default;
-  /// every: the interval in steps, a fraction too; below 1 every step is due.
+  /// every: the interval in steps, not necessarily whole; below 1 every step is due.
   EverySteps(double every, std::uint64_t first = 0) : every_(std::max(1.0, every)), first_(first) {}
   /// interval [s], 0: every step; dt [s]; first: the step that it is counted from
   static EverySteps of_time(double interval, double dt, std::uint64_t first = 0) {

@@ -11,7 +11,7 @@
 
 namespace epafi {
 
-/// What all stages share.
+/// Base of all stages of a step.
 class StepStage {
  public:
   virtual ~StepStage() = default;
@@ -27,8 +27,8 @@ class Scheme : public StepStage {
  public:
   virtual void first_half(World& world, double dt) = 0;
   virtual void second_half(World& world, double dt) = 0;
-  /// The same for the bodies of slots [begin, end) alone, where has_ranges: the first is then half a kick and the
-  /// drift, the second half a kick, and a contact model may do both itself.
+  /// True if the halves exist for ranges of slots [begin, end). The first is then half a kick and the drift, the second
+  /// half a kick, and a contact model may compute both itself.
   virtual bool has_ranges() const { return false; }
   virtual void first_half(World&, double, std::size_t, std::size_t) {}
   virtual void second_half(World&, double, std::size_t, std::size_t) {}
@@ -40,36 +40,36 @@ class Scheme : public StepStage {
 struct Extent;
 
 /// Permission for the contact model to do the first half of the next step too. No observer reads this step, so the
-/// energy stored in its contacts need not be reported.
+/// elastic energy need not be reported.
 struct RunOn {
-  std::function<bool(const Extent&)> agrees;  ///< to where the bodies are in this step
-  bool bounded = true;  ///< it will ask where they are in the next one, not only whether somewhere
+  std::function<bool(const Extent&)> agrees;  ///< whether the extent of the bodies in this step allows it
+  bool bounded = true;                        ///< the next step needs the extent too, not only finite positions
 };
 
-/// Impulses that act within a step beside gravity, external forces and contacts: those of springs. By slot.
+/// Impulses of springs within a step, by slot.
 struct Pushes {
   std::vector<Vec3> linear;   ///< [N s]
   std::vector<Vec3> angular;  ///< world axes [N m s]; empty in worlds without rotation
 };
 
-/// What a stage that acts needs to know about the step.
+/// Times of the step, for stages that compute forces or motion.
 struct StepClock {
   double dt = 0.0;  ///< [s]
   double velocity_lag =
       0.0;  ///< world.velocity is that of time + (detection) - lag*dt: 1/2 for velocity Verlet, 0 otherwise
-  Scheme* scheme = nullptr;  ///< whose second half the contact model calls; null: the step calls it
-  /// Where it is given, all 0 by slot, only the bodies of contacts get their forces, and a 1 here; those of others are
-  /// left as they are.
+  Scheme* scheme = nullptr;  ///< the contact model calls its second half; null: the step does
+  /// If given (all 0, by slot), only bodies with contacts get forces, and a 1 here; forces of the others are not
+  /// written.
   std::vector<std::uint8_t>* touched = nullptr;
-  const RunOn* run_on = nullptr;   ///< where it is given, the next step has the same dt
-  const Pushes* pushes = nullptr;  ///< where given, a model that changes velocities adds them as it adds gravity
+  const RunOn* run_on = nullptr;   ///< if given, the next step has the same dt
+  const Pushes* pushes = nullptr;  ///< if given, a model that changes velocities adds them as it adds gravity
 };
 
 /// Finds the pairs of bodies that may touch.
 class BroadPhase : public StepStage {
  public:
   virtual void find_pairs(const World& world, PairList& pairs) = 0;
-  /// From positions alone: whether the list of the last call is still valid.
+  /// True where the list of the last call is still valid by the positions alone.
   virtual bool keeps_pairs(const World&) { return false; }
 };
 
@@ -77,7 +77,7 @@ class BroadPhase : public StepStage {
 class NarrowPhase : public StepStage {
  public:
   virtual void collide(const World& world, const PairList& pairs, ContactSet& contacts) = 0;
-  /// Removes contacts that neighbouring surfaces rule out; called when all contacts have been found.
+  /// Removes contacts that a union of neighbouring surfaces would not have; called after all contacts are found.
   virtual void unite(const World&, ContactSet&) {}
 };
 
@@ -86,20 +86,20 @@ class NarrowPhase : public StepStage {
 class ContactModel : public StepStage {
  public:
   virtual void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) = 0;
-  /// Adds the energy stored in the present positions to report.elastic, where no forces are evaluated at the start.
+  /// Adds the elastic energy of the present positions to report.elastic, for schemes without forces at the start.
   virtual void store(const World&, StepReport& /*report*/) {}
-  /// Runs the first half of clock.scheme, and in `act` its second, within its own passes over the bodies, while their
-  /// data are in cache. False: the model does neither.
+  /// Computes the first half of clock.scheme, and in `act` the second, in its own passes over the bodies while their
+  /// data are in cache. False: the model computes neither.
   virtual bool move(World&, const StepClock&) { return false; }
-  /// The first half of the next step is done: of the world only the positions are up to date.
+  /// True after the first half of the next step: only the positions of the world are then up to date.
   virtual bool is_ahead() const { return false; }
-  /// Extent of the bodies as the model's passes found it; null: not measured.
+  /// Extent of the bodies, if the model's passes measured it; else null.
   virtual const Extent* extent() const { return nullptr; }
-  /// Completes the set for observers where the model has found contacts of its own.
+  /// Adds the contacts that the model found itself to the set, for observers.
   virtual void publish(const World&, ContactSet&) const {}
-  /// Number of parts of the contacts that the model has found itself and that are not in the set.
+  /// Number of groups ("parts") of contacts that the model found itself and that are not in the set.
   virtual std::size_t own_parts() const { return 0; }
-  /// Contacts of a part where all of them touch; nothing where it lists some that only may (within reach of adhesion).
+  /// Number of contacts of a part if all of them touch; none if some only may (within the reach of adhesion).
   virtual std::optional<std::size_t> own_count(std::size_t /*part*/) const { return 0; }
   /// Appends bodies and gaps of a part, in an order that depends on the state alone; thread-safe.
   virtual void append_gaps(const World&, std::size_t /*part*/, ContactSet& /*gaps*/) const {}
@@ -107,12 +107,12 @@ class ContactModel : public StepStage {
   virtual void append_contacts(const World&, std::size_t /*part*/, ContactSet& /*contacts*/) const {}
 };
 
-/// Stops bodies on paths whose collisions the detection at the end of a drift would miss. Only for `continuous` bodies.
+/// Continuous collision detection: stops bodies whose collisions detection at the end of a drift would miss.
 class MotionGuard : public StepStage {
  public:
-  /// Before bodies drift.
+  /// Stores positions before bodies drift.
   virtual void remember(const World& world) = 0;
-  /// After they drifted for `duration` [s]. Returns the energy that the bodies gained by being held back [J].
+  /// Moves bodies back to their first contact after a drift of `duration` [s]. Returns the energy that this adds [J].
   virtual double hold_back(World& world, double duration) = 0;
 };
 

@@ -1,9 +1,9 @@
-/// @file servo.h  A wall that presses with a given force: it moves along one line as a damped body of its own mass.
-/// m dv/dt = F - F_contact - F v/v_max, F_contact what the others push back with: at rest it carries exactly F, without
-/// contact it closes in at v_max with the time constant m v_max/F. With gains it is a PI loop instead, which carries F
-/// also while it moves: v = p (F - F_contact) + i (integral of the same), at most v_max; the integral rests there.
-/// Smooth contact moves it by the forces of the last step (servo_event.h), non-smooth contact by those of the step
-/// itself (giving_wall.h). A motion of the same body acts first, the servo adds its velocity.
+/// @file servo.h  Servo wall: presses with a given force and moves along one line as a damped body of its own mass, m
+/// dv/dt = F - F_contact - F v/v_max with the reaction F_contact. At rest it carries exactly F; without contact it
+/// approaches at v_max, with the time constant m v_max/F. With gains it is a PI controller instead, which carries F
+/// also while it moves: v = p (F - F_contact) + i (integral of the same), limited to v_max (the integral then stays
+/// constant). Smooth contact uses the forces of the last step (servo_event.h), non-smooth contact those of the step
+/// itself (nonsmooth_servo.h). A motion of the same body acts first; the servo adds its velocity.
 #pragma once
 #include "engine/step/events.h"
 
@@ -14,14 +14,14 @@ struct Servo {
   double force = 0.0;              ///< F [N], > 0
   double mass = 0.0;               ///< m [kg], > 0
   double max_speed = 0.0;          ///< v_max [m/s], > 0
-  double proportional = 0.0;       ///< p [m/(N s)]; with integral > 0 or this > 0: a PI loop
+  double proportional = 0.0;       ///< p [m/(N s)]; p > 0 or i > 0: PI controller
   double integral = 0.0;           ///< i [m/(N s^2)]
   bool beside_motion = false;      ///< another event has set the velocity of this step
-  /// Without gains: damping F/v_max at the end of a step weighs as mass where the wall goes to and fro from step to
-  /// step [kg]; stable while dt < 2 sqrt(this/K), K the stiffness it presses on.
+  /// Without gains: effective mass for alternating motion, which contains the damping F/v_max at the end of a step
+  /// [kg]; stable while dt < 2 sqrt(this/K), K the stiffness of the contacts.
   double mass_in_step(double dt) const { return mass + 0.5 * dt * force / max_speed; }
   bool has_gains() const { return proportional > 0.0 || integral > 0.0; }
-  double from = 0.0;                                       ///< it rests before [s]
+  double from = 0.0;                                       ///< the wall rests before [s]
   double until = std::numeric_limits<double>::infinity();  ///< and after [s]
 };
 

@@ -6,7 +6,7 @@
 
 namespace epafi {
 
-/// push: what is left of the force [N].
+/// push: F - F_contact [N].
 double ServoEvent::next_speed(double push, double dt) {
   if (!servo_.has_gains()) {
     const double rate = servo_.force / (servo_.max_speed * servo_.mass);
@@ -28,7 +28,7 @@ void ServoEvent::before_step(World& world, double dt, std::vector<BodyId>&) {
   if (!presses) missed_ = 0.0;
   const double rise = presses && !servo_.has_gains() ? 0.5 * (speed_ - before) : 0.0;  // from the middle to the end
   const double ahead = std::exchange(ahead_, 0.5 * dt * rise);
-  ledger_.add_work(pushed_back * (ahead + ahead_));  // the force of the detection works over half a step on both sides
+  ledger_.add_work(pushed_back * (ahead + ahead_));  // the force of the detection acts over half a step on both sides
   world.velocity[s] = motion + (speed_ + rise) * servo_.direction;
   world.position[s] -= dt * rise * servo_.direction;
 }

@@ -13,8 +13,8 @@ namespace epafi {
 
 namespace {
 
-/// "; of its 3 contacts that with body 7 has ...": where a body's trouble may come from. A force or gap that is not
-/// finite says it, else the deepest overlap does.
+/// "; of its 3 contacts that with body 7 has ...": the probable cause of a body's failure: the contact with a force or
+/// gap that is not finite, else the one with the deepest overlap.
 std::string suspect_of(const World& world, const ContactSet& contacts, Slot slot) {
   std::size_t count = 0, worst = 0;
   double badness = -std::numeric_limits<double>::infinity();
@@ -54,10 +54,10 @@ void Simulation::start() {
   ledger.start(world, work.report, work.report.losses);
   const bool watched = step_is_watched();
   observe(false, watched);
-  if (watched) static_cast<void>(look_at_step());  // a single look ends no run
+  if (watched) static_cast<void>(check_step());  // a single check ends no run
 }
 
-/// Where forces hold they are kept to the bit: a stage that changes nothing is no event.
+/// Valid forces are kept bit for bit, so a stage without changes has no effect.
 void Simulation::enter(const Entry& entry) {
   count_movable();
   if (loads) loads->set(world, world.clock);
@@ -78,19 +78,19 @@ void Simulation::enter(const Entry& entry) {
     ledger.take_elastic(work.report);
     ledger.accept_jump(world, entry.stored_before);
   }
-  if (watched) static_cast<void>(look_at_step());
+  if (watched) static_cast<void>(check_step());
 }
 
 std::optional<Failure> Simulation::advance(bool last, bool run_on) {
   StageTimer timer(work.report.seconds);
-  if (parts_of_step) come_home();
+  if (parts_of_step) gather_state();
   int parts = parts_of_step ? parts_of_step(world) : 1;
   if (step_watch) parts = std::max(parts, step_watch->parts());
   double deepest = 0.0;
   const bool sort = sorts_now();
   ++steps_;
   for (int part = 0; part < parts; ++part) {
-    auto failure = make_step(time_step / parts, sort && part == 0, run_on && !last && nobody_looks(), timer);
+    auto failure = make_step(time_step / parts, sort && part == 0, run_on && !last && is_unobserved(), timer);
     if (failure) return failure;
     deepest = std::max(deepest, work.report.deepest);
   }
@@ -100,13 +100,13 @@ std::optional<Failure> Simulation::advance(bool last, bool run_on) {
   const bool watched = step_is_watched();
   observe(last, watched);
   timer.lap(Stage::output);
-  auto failure = watched ? look_at_step() : std::nullopt;
-  if (!failure) failure = look_at_energy();
+  auto failure = watched ? check_step() : std::nullopt;
+  if (!failure) failure = check_energy();
   timer.lap(Stage::events);
   return failure;
 }
 
-/// The watch over the step reads contacts now.
+/// True if step_watch reads contacts now.
 bool Simulation::step_is_watched() {
   if (!step_watch) return false;
   step_watch->note(steps_, work.report.deepest);
@@ -114,7 +114,7 @@ bool Simulation::step_is_watched() {
   return !away_.stepped || !step_watch->passes(steps_, remote->stiffness(time_step / step_watch->parts()));
 }
 
-std::optional<Failure> Simulation::look_at_step() {
+std::optional<Failure> Simulation::check_step() {
   std::optional<Failure> failure;
   const auto look = [&](const StepView& now) { failure = step_watch->look(now); };
   if (!away_.stepped) {
@@ -126,8 +126,8 @@ std::optional<Failure> Simulation::look_at_step() {
   return failure;
 }
 
-/// Between this step and the next one.
-bool Simulation::nobody_looks() const {
+/// True if no observer reads anything between this step and the next one.
+bool Simulation::is_unobserved() const {
   if (parts_of_step || pipeline.guard || loads || sorts_now()) return false;
   if (step_watch && (step_watch->parts() > 1 || step_watch->is_due(steps_))) return false;
   return std::none_of(observers.begin(), observers.end(), [this](const auto& o) {
@@ -180,10 +180,10 @@ std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on, 
   return watch();
 }
 
-/// The state comes here only where something is to be done with it.
+/// Gathers the state only if something needs it here.
 std::optional<Failure> Simulation::make_remote_step(double dt, bool sort, bool run_on, StageTimer& timer) {
   if (sort || !leaving_.empty() || !away_.rest || dt != away_.dt) {
-    come_home();
+    gather_state();
     away_.sent = false;
     prepare(dt, sort);
   }
@@ -192,7 +192,7 @@ std::optional<Failure> Simulation::make_remote_step(double dt, bool sort, bool r
   away_.dt = dt;
   away_.home = false;
   away_.stepped = true;
-  if (loads) loads->set(world, world.clock + 0.5 * dt);  // those of the bodies are at work elsewhere
+  if (loads) loads->set(world, world.clock + 0.5 * dt);  // the other processes apply those of the bodies
   work.contacts.clear();
   timer.lap(Stage::events);
   const double booked = work.report.seconds.all();
@@ -208,11 +208,11 @@ std::optional<Failure> Simulation::make_remote_step(double dt, bool sort, bool r
   return look_at_strays();
 }
 
-void Simulation::come_home() {
+void Simulation::gather_state() {
   if (!std::exchange(away_.home, true)) remote->fetch(*this);
 }
 
-/// Bodies from slot `before` on came in: their energy is work done on the scene.
+/// Bodies from slot `before` on have entered: their energy is work done on the scene.
 void Simulation::welcome(std::size_t before) {
   double kinetic = 0.0, potential = 0.0;
   for (std::size_t s = before; s < world.size(); ++s) {
@@ -233,7 +233,7 @@ void Simulation::sort_bodies() { reorder(world.reorder(morton_order(world))); }
 
 void Simulation::reorder(const Reordering& change) {
   pipeline.each_stage([&](auto& stage) { stage.reorder(change); });
-  work.contacts.clear();  // their slots are those of before
+  work.contacts.clear();  // they have the old slots
 }
 
 void Simulation::take_out() {
@@ -250,8 +250,8 @@ void Simulation::take_out() {
   ledger.accept_jump(world, before);
 }
 
-/// Energy in the contacts of bodies that left goes with them: the contacts are evaluated again over no time, which
-/// leaves their history as it is; the forces of the step that was done stay. Impulses store nothing, springs do.
+/// Removes the elastic energy of contacts of removed bodies: evaluates the contacts again with dt = 0, which does not
+/// change their history or the forces of the step. Impulses store no energy, springs do.
 void Simulation::drop_contacts() {
   if (!pipeline.scheme->needs_initial_forces()) {
     work.report.elastic = 0.0;
@@ -274,10 +274,10 @@ std::optional<Failure> Simulation::watch() {
     return Failure{"state without measure", steps_, world.id[trouble.slot], trouble.text};
   const Extent* seen = pipeline.contact_model->extent();
   if (seen && (is_ahead() ? seen->finite : seen->is_inside(watched()))) return std::nullopt;
-  return look_at_strays();
+  return check_positions();
 }
 
-std::optional<Failure> Simulation::look_at_strays() {
+std::optional<Failure> Simulation::check_positions() {
   const auto strays = find_strays(world, watched());
   for (Slot s : strays) {
     const Vec3 &x = world.position[s], &v = world.velocity[s];
@@ -301,9 +301,9 @@ std::optional<Failure> Simulation::look_at_strays() {
   return std::nullopt;
 }
 
-std::optional<Failure> Simulation::look_at_energy() {
+std::optional<Failure> Simulation::check_energy() {
   if (std::isfinite(ledger.last().stored())) return std::nullopt;
-  come_home();
+  gather_state();
   Slot fastest = 0;
   for (Slot s = 1; s < world.size(); ++s)
     if (world.velocity[s].stableNorm() > world.velocity[fastest].stableNorm()) fastest = s;
@@ -366,13 +366,13 @@ void Simulation::show_contacts(ContactView needed, bool last, const std::functio
 }
 
 void Simulation::show(Observer& observer) {
-  come_home();
+  gather_state();
   show_contacts(observer.wants_contacts(steps_, true), true, [&](const StepView& now) { observer.observe(now); });
 }
 
 void Simulation::visit(StateVisitor& visitor) {
-  come_home();
-  away_.sent = away_.rest = false;  // it may be another state that comes in
+  gather_state();
+  away_.sent = away_.rest = false;  // the loaded state may differ
   visitor.value("simulation/steps", steps_);
   visitor.value("simulation/removed", removed_);
   if (visitor.has("simulation/steps_before")) visitor.value("simulation/steps_before", before_);

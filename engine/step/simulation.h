@@ -25,21 +25,21 @@ class Simulation {
   Pipeline pipeline;
   Workspace work;
   EnergyLedger ledger;
-  Warnings warnings;  ///< whoever meets trouble that does not end the run adds to them
+  Warnings warnings;  ///< troubles that do not end the run
   std::optional<Domain> domain;
   std::vector<std::unique_ptr<Event>> events;
-  std::unique_ptr<Loads> loads;  ///< gravity, forces and torques that follow time; null: none
+  std::unique_ptr<Loads> loads;  ///< time-dependent gravity, forces and torques; null: none
   std::vector<std::unique_ptr<Observer>> observers;
-  std::unique_ptr<RemoteSteps> remote;  ///< makes the steps in several processes; null: this one makes them
+  std::unique_ptr<RemoteSteps> remote;  ///< makes the steps in several processes; null: one process
   double time_step;                     ///< dt [s]
-  /// Parts of the time step at this moment, >= 1; empty: one.
+  /// Number of substeps that the time step is divided into now, >= 1; empty: one.
   std::function<int(const World&)> parts_of_step;
   std::unique_ptr<StepWatch> step_watch;  ///< null: the stability of the step is not watched
   std::uint64_t sort_interval =
-      1000;  ///< steps between Morton sorts; 100-10000 equal within 2 %, never sorting costs 1.25-1.6x
-  /// Steps between removals of bodies outside a domain with `outside = "delete"`. A removal rearranges all columns,
-  /// pairs and springs, as much work as ten steps of 20 000 spheres (an interval of 20 costs 1.5 times in a hopper that
-  /// flows). Steps of impulses are a hundred times as long as those of forces.
+      1000;  ///< steps between Morton sorts; 100 to 10 000: same time within 2 %; never: 1.25 to 1.6 times
+  /// Steps between removals of bodies outside a domain with `outside = "delete"`. A removal reorders all columns, pairs
+  /// and springs, which costs as much as ten steps of 20 000 spheres (in a flowing hopper an interval of 20 makes the
+  /// run 1.5 times as long). Steps of non-smooth contact are a hundred times longer.
   std::uint64_t outlet_interval() const { return pipeline.scheme->needs_initial_forces() ? 100 : 20; }
 
   std::uint64_t steps() const { return steps_; }
@@ -47,42 +47,42 @@ class Simulation {
   std::uint64_t parts_made() const { return parts_made_; }
   std::uint64_t bodies_removed() const { return removed_; }  ///< by remove_at, outlets and `outside = "delete"`
 
-  /// Initial forces, the ledger's zero, observers at step 0.
+  /// Computes initial forces, starts the ledger, calls observers for step 0.
   void start();
-  /// How a simulation goes on from the state of another one that has been carried into it.
+  /// How to continue from the state of another simulation that was loaded into this one.
   struct Entry {
     bool forces_hold = false;  ///< the stored contact forces are those of this scene
-    bool new_ledger = false;   ///< energies count from here on; else the jump of the stored energy is work
-    double stored_before = 0;  ///< by the other one's ledger, of the same moment [J]
-    double elastic = 0;        ///< in its contacts [J]
+    bool new_ledger = false;   ///< the ledger starts anew; else the jump of the stored energy counts as work
+    double stored_before = 0;  ///< stored energy in the other ledger at this time [J]
+    double elastic = 0;        ///< elastic energy of its contacts [J]
   };
   void enter(const Entry& entry);
-  /// Steps made, and those that another simulation made before: sorts go on in their rhythm.
+  /// Sets the steps made here and, before, by another simulation: sorts keep their interval.
   void continue_at(std::uint64_t steps, std::uint64_t before) {
     steps_ = steps;
     before_ = before;
   }
   std::uint64_t steps_before() const { return before_; }
-  /// To be taken out before the next step.
+  /// Bodies to remove before the next step.
   const std::vector<BodyId>& leaving() const { return leaving_; }
   void take_leaving(std::vector<BodyId> bodies) { leaving_ = std::move(bodies); }
-  /// Bodies that another simulation has taken out.
+  /// Counts bodies that another simulation removed.
   void add_removed(std::uint64_t bodies) { removed_ += bodies; }
-  /// One step with everything around it. A failure leaves the run as it is: the caller saves and stops.
-  /// run_on: only observers read the bodies before the next call, which has the same time step: the contact model may
-  /// do its first half at once (saves 10 of 57 ns of a sphere in a bed).
+  /// One step with events and observers. last: observers see the end of the run. run_on: only observers read the bodies
+  /// before the next call, and that has the same time step; the contact model may then do its first half at once (saves
+  /// 10 of 57 ns of a sphere in a bed). On a failure the state remains for the caller to save.
   std::optional<Failure> advance(bool last = false, bool run_on = false);
-  /// Of bodies that servos move on all others, with the forces of the last step [W].
+  /// Power of servo walls on all other bodies, with the forces of the last step [W].
   double held_power() const;
-  /// The last energy of the ledger is not finite (velocities may be).
-  std::optional<Failure> look_at_energy();
-  /// The last call has begun the next step: bodies must not be read.
+  /// A failure if the ledger's energy is not finite (velocities may be).
+  std::optional<Failure> check_energy();
+  /// True if the last call has begun the next step: bodies must not be read then.
   bool is_ahead() const { return remote ? remote->is_ahead() : pipeline.contact_model->is_ahead(); }
-  /// With several processes: fetches the present state. To be called before bodies are read.
-  void come_home();
-  /// Sums over the bodies of the present state, wherever it is.
+  /// With several processes: gathers the present state here. Call it before bodies are read.
+  void gather_state();
+  /// Sums over the bodies of all processes.
   BodyTotals totals();
-  /// Energies of the present state go into the ledger.
+  /// Measures the energies of the present state for the ledger.
   void measure() { ledger.measure(totals()); }
   /// Shows one observer the present state, due or not.
   void show(Observer& observer);
@@ -97,15 +97,15 @@ class Simulation {
   std::optional<Failure> make_step(double dt, bool sort, bool run_on, StageTimer& timer);
   std::optional<Failure> make_remote_step(double dt, bool sort, bool run_on, StageTimer& timer);
   void prepare(double dt, bool sort);
-  bool nobody_looks() const;
+  bool is_unobserved() const;
   bool sorts_now() const { return steps_ + before_ > 0 && (steps_ + before_) % sort_interval == 0; }
   const std::optional<Domain>& watched() const;
-  std::optional<Failure> look_at_strays();
+  std::optional<Failure> check_positions();
   void drop_contacts();
   std::optional<Failure> watch();
   bool step_is_watched();
   void observe(bool last, bool watched);
-  std::optional<Failure> look_at_step();
+  std::optional<Failure> check_step();
   void show_contacts(ContactView needed, bool last, const std::function<void(const StepView&)>& show);
   void reorder(const Reordering& change);
 
@@ -115,14 +115,14 @@ class Simulation {
   std::size_t movable_ = 0;                ///< free bodies
   std::uint64_t parts_made_ = 0;           ///< of all time steps
   BodyTotals totals_;                      ///< as last measured, for observers
-  std::optional<OverlapTotals> overlaps_;  ///< of contacts that are with other processes
-  std::vector<BodyId> leaving_;            ///< to be taken out before the next step; observers see them until then
-  /// Where steps are remote.
+  std::optional<OverlapTotals> overlaps_;  ///< of overlaps of contacts in other processes
+  std::vector<BodyId> leaving_;            ///< to remove before the next step; observers see them until then
+  /// Location of the state in runs of several processes.
   struct Away {
     bool home = true;      ///< the present state is here
-    bool sent = false;     ///< and, or instead, with the other processes
+    bool sent = false;     ///< it is in the other processes too, or only there
     bool stepped = false;  ///< the contacts of the last detection are there
-    bool rest = false;     ///< no event but local ones will do anything before the next step of length dt
+    bool rest = false;     ///< no event but local ones acts before the next step of length dt
     double dt = 0.0;       ///< [s]
   } away_;
 };

@@ -14,7 +14,7 @@ namespace {
 struct Ball {
   Vec3 centre;
   double radius;
-  /// Or an image of it does.
+  /// The same for its images.
   bool meets(const World& world, const Vec3& x, double r) const {
     Vec3 d = x - centre;
     for (int k = 0; world.cell && k < 3; ++k)
@@ -32,7 +32,7 @@ void PourBodies::before_step(World& world, double, std::vector<BodyId>&) {
   const double time = world.clock + setup_.elapsed;
   if (!waits(time)) return;
   if (setup_.see_held) setup_.see_held(world);
-  std::vector<Ball> balls;  // whatever may be in the way: the box grown by both radii
+  std::vector<Ball> balls;  // possible obstacles: in the box enlarged by both radii
   for (Slot s = 0; s < world.size(); ++s) {
     if (!world.is_movable(s)) continue;
     const double r = setup_.radius(world.shape[s]);
@@ -75,7 +75,7 @@ void PourBodies::visit(StateVisitor& visitor) {
   visitor.value("pour/" + setup_.name + "/tried", tried_);
 }
 
-/// Until the next look [s].
+/// Time until the next check [s].
 double Outlet::wait(const World& world, double dt) const {
   if (steps_ <= 1) return 0.0;
   const double fastest = block_max<double>(world.size(), 0.0, [&](std::size_t s) {
@@ -88,7 +88,7 @@ double Outlet::wait(const World& world, double dt) const {
 void Outlet::before_step(World& world, double dt, std::vector<BodyId>& leaving) {
   if (!is_due(world.time, dt)) return;
   next_look_ = world.time + wait(world, dt);
-  const std::vector<BodyId> gone = leaving;  // those that another has taken are not counted here
+  const std::vector<BodyId> gone = leaving;  // those of other events are not counted here
   ExactSum mass;
   const auto is_inside = [&](std::size_t s) {
     const Vec3& x = world.position[s];

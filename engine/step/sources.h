@@ -1,4 +1,4 @@
-/// @file sources.h  Bodies that come and go while a run lasts: sources that pour, outlets that delete with a count.
+/// @file sources.h  Sources add bodies during a run, outlets remove and count them.
 #pragma once
 #include <functional>
 #include <limits>
@@ -10,15 +10,15 @@ namespace epafi {
 
 /// A body that waits to be poured.
 struct WaitingBody {
-  Body body;            ///< its place is found when it comes
+  Body body;            ///< its position is chosen when it enters
   BodyId id{};          ///< reserved
   double time = 0.0;    ///< not before [s]
   double radius = 0.0;  ///< of its bounding sphere [m]
 };
 
 /// Adds bodies in their order, each at its time or as soon as there is room: at the first of 20 places of a step where
-/// its bounding sphere meets no other free body's and it overlaps no fixed or driven body. Places are drawn from (seed,
-/// body, step), so a restart pours alike.
+/// its bounding sphere meets no other free body's and it overlaps no fixed or driven body. Places are random functions
+/// of (seed, body, step), so a restart gives the same.
 class PourBodies final : public Event {
  public:
   struct Setup {
@@ -27,7 +27,8 @@ class PourBodies final : public Event {
     Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< the box [m]
     std::uint64_t seed = 1;
     std::function<double(std::uint32_t shape)> radius;  ///< bounding radius of World::shape [m]
-    std::function<void(const World&)> see_held;   ///< before `meets_held`: fixed and driven bodies as they stand now
+    std::function<void(const World&)>
+        see_held;  ///< called before `meets_held`: reads the present fixed and driven bodies
     std::function<bool(const Body&)> meets_held;  ///< the body would overlap one of them
     double elapsed = 0.0;                         ///< of its time when the present stage began [s]
   };
@@ -37,10 +38,10 @@ class PourBodies final : public Event {
   void visit(StateVisitor& visitor) override;
   const Setup& setup() const { return setup_; }
   std::uint64_t poured() const { return next_; }
-  /// How many are to have come by now.
+  /// Number of bodies due by now.
   std::uint64_t due(const World& world) const;
 
-  /// Some body is to come.
+  /// True if a body is due.
   bool waits(double time) const { return next_ < setup_.bodies.size() && setup_.bodies[next_].time <= time; }
 
  private:
@@ -49,14 +50,14 @@ class PourBodies final : public Event {
   std::uint64_t tried_ = 0;  ///< steps in which there was no room for it
 };
 
-/// What an outlet has deleted.
+/// Bodies that an outlet has removed.
 struct Tally {
   double count = 0.0, mass = 0.0;  ///< [-], [kg]
 };
 
-/// Takes out every free body whose centre is in a box, and counts it. A removal lays all bodies, pairs and springs out
-/// anew: it acts every `steps` steps only, or as often as the fastest body needs for a fiftieth of the box's thinnest
-/// side, so that none comes far or passes unseen.
+/// Takes out every free body whose centre is in a box, and counts it. A removal reorders all bodies, pairs and springs.
+/// So it acts every `steps` steps, or in the time in which the fastest body moves by a fiftieth of the box's thinnest
+/// side, so that no body gets far inside or through.
 class Outlet final : public Event {
  public:
   Outlet(std::string name, const Vec3& low, const Vec3& high, int steps = 1)

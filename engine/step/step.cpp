@@ -4,7 +4,7 @@ namespace epafi {
 
 namespace {
 
-/// Half a step of the scheme, its drift watched where the scene asks for it.
+/// Half a step of the scheme, with the motion guard if the scene has one.
 template <class Half>
 double watched(World& world, Pipeline& stage, double dt, const Half& half) {
   if (!stage.guard) {

@@ -4,7 +4,7 @@
 
 namespace epafi {
 
-/// What a step leaves for observers and for the next step.
+/// Data of a step for observers and for the next step.
 struct Workspace {
   PairList pairs;
   ContactSet contacts;
@@ -12,8 +12,8 @@ struct Workspace {
 };
 
 /// Advances the world by one step: integrate, find pairs, find contacts, let them act, integrate. run_on: as
-/// StepClock::run_on. timer: at its last lap when the step begins. begun: bodies stand in other slots since a contact
-/// model has done the first half; forces are those of the last step.
+/// StepClock::run_on. timer: measures the stages from its last lap on. begun: bodies have other slots since a contact
+/// model did the first half; forces are those of the last step.
 void step(World& world, Pipeline& stage, Workspace& work, double dt, StageTimer& timer, const RunOn* run_on = nullptr,
           bool begun = false);
 void step(World& world, Pipeline& stage, Workspace& work, double dt);

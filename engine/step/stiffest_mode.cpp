@@ -22,7 +22,7 @@ using Mat6 = Eigen::Matrix<double, 6, 6>;
 /// sqrt(1/m) and sqrt(1/I) of a body in world axes.
 struct Mobility {
   double linear = 0.0;
-  Vec3 line = Vec3::Zero();  ///< of a body that gives way along it alone: m^(-1/4) long
+  Vec3 line = Vec3::Zero();  ///< of a body that moves along one line only: of length m^(-1/4)
   Mat3 angular = Mat3::Zero();
 };
 
@@ -76,7 +76,7 @@ class LinkedBodies {
     }
   }
 
-  /// Trace of what a link puts on one of its bodies: sum of its eigenvalues while the other stays.
+  /// Trace of a link's matrix for one of its bodies, with the other at rest: sum of the eigenvalues.
   double own(std::size_t k, bool second) const {
     const StiffLink& l = links_[k];
     const std::uint32_t body = second ? ends_[k].second : ends_[k].first;
@@ -92,7 +92,7 @@ class LinkedBodies {
     }
     return trace;
   }
-  /// What a link puts on one of its bodies while the other stays.
+  /// A link's matrix for one of its bodies, with the other at rest.
   void add_own(std::size_t k, bool second, Mat6& sum) const {
     const StiffLink& l = links_[k];
     const Mobility& m = mobility_[end(k, second)];

@@ -1,5 +1,5 @@
-/// @file totals.h  What is summed over all bodies or all overlaps of a moment. No sum depends on an order, so parts of
-/// a simulation add up to the bits of the whole.
+/// @file totals.h  Sums over all bodies or all overlaps. They do not depend on the order, so sums of processes add up
+/// to the bits of one process.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace epafi {
 
-/// Of free bodies. In a part of several processes: of those that are its own.
+/// Sums over free bodies; with several processes over those of this one.
 struct BodyTotals {
   OrderFreeSum kinetic, potential;       ///< [J]
   OrderFreeSum mass;                     ///< [kg]
@@ -22,8 +22,8 @@ struct BodyTotals {
 };
 BodyTotals body_totals(const World& world);
 
-/// Of pairs that overlap; a pair's overlap is that of its deepest point. Contacts that a model finds itself, of spheres
-/// and balls of clumps, count one by one.
+/// Sums over overlapping pairs; the overlap of a pair is that of its deepest point. Contacts that a model finds itself
+/// (of spheres and balls of clumps) count individually.
 struct OverlapTotals {
   double max = 0.0;           ///< [m]
   double max_relative = 0.0;  ///< to the smaller body's bounding radius

@@ -1,4 +1,4 @@
-/// @file all_places.h  Where threads may run, for what is started from a thread that OpenMP has bound.
+/// @file all_places.h  Processor affinity of programs and threads that a bound OpenMP thread starts.
 #pragma once
 
 #if defined(__linux__)
@@ -7,10 +7,9 @@
 
 namespace epafi {
 
-/// While it lives, the calling thread may run on all processors that OpenMP's threads are bound to (OMP_PROC_BIND,
-/// GOMP_CPU_AFFINITY): programs and threads that it starts then are not bound to its own one. Nothing changes where
-/// threads are not bound. (All threads of a program that was started from one processor stay there: hopper of 20 000,
-/// two threads, 22 for 12 ns a sphere and step.)
+/// During its lifetime the calling thread may run on all processors that OpenMP's threads are bound to (OMP_PROC_BIND,
+/// GOMP_CPU_AFFINITY), so that programs and threads started then are not bound to a single one (which costs 22 instead
+/// of 12 ns a sphere and step in a hopper of 20 000 on two threads). Unbound threads do not change.
 class AllPlaces {
  public:
   AllPlaces();

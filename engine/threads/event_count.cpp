@@ -11,7 +11,7 @@
 namespace epafi {
 
 #if defined(__linux__)
-// Not std::atomic::wait: libstdc++ yields before it sleeps, and beside busy programs a yield is a time slice of theirs.
+// Not std::atomic::wait: libstdc++ yields before it sleeps, which costs a time slice of a busy program.
 void EventCount::sleep(std::uint32_t calls) {
   syscall(SYS_futex, &calls_, FUTEX_WAIT_PRIVATE, calls, nullptr, nullptr, 0);
 }

@@ -1,5 +1,5 @@
-/// @file event_count.h  Threads that wait for a condition which others make true: they poll some times, then sleep
-/// until they are woken (an event count; the sleep is a futex).
+/// @file event_count.h  Event count: threads that wait for a condition poll some times, then sleep on a futex until
+/// they are woken.
 #pragma once
 #include <atomic>
 #include <cstdint>
@@ -12,7 +12,7 @@ inline constexpr int spin_limit(bool more_threads_than_processors) {
   return more_threads_than_processors ? 100 : 10'000;
 }
 
-/// Of one condition. It outlives every wait.
+/// Lets threads wait for a condition. It must outlive every wait.
 class EventCount {
  public:
   /// Returns true once ready(), which reads what others have written by sequentially consistent atomics; false where
@@ -38,7 +38,7 @@ class EventCount {
   void wake() {
     if (waiting_.load() > 0) wake_all();
   }
-  /// By a thread that cannot do what others wait for.
+  /// Called by a thread that cannot make the condition true.
   void give_up() {
     given_up_ = true;
     wake_all();

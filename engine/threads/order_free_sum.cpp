@@ -14,7 +14,7 @@ namespace {
 /// 2^e of a normal number.
 double power_of_two(int e) { return std::bit_cast<double>(static_cast<std::uint64_t>(e + 1023) << 52); }
 
-/// What a term is added to, so that its last bit is the line `line` of the grid.
+/// Constant that rounds a term to line `line` of the grid when added to it.
 double magic_of(int line) { return 1.5 * power_of_two(52 + OrderFreeSum::bits * line); }
 
 constexpr double largest_double = std::numeric_limits<double>::max();

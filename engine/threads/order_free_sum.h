@@ -22,10 +22,11 @@ class OrderFreeSum {
   void add(std::span<const double> terms);
   void add(double term) { add(std::span(&term, 1)); }
   OrderFreeSum& operator+=(const OrderFreeSum& other);
-  /// Of terms in range. Else NaN, or where all are too small an error of up to 2^-962 for each.
+  /// The sum of terms in range. Otherwise NaN, or where all terms are too small, a sum with an error up to 2^-962 per
+  /// term.
   double value() const;
   bool in_range() const { return !is_odd_ && top_ != least_top; }
-  /// Of all magnitudes that are numbers.
+  /// The largest finite magnitude.
   double largest() const { return largest_; }
 
   static constexpr int bits = 31;                       ///< between two lines of the grid
@@ -41,7 +42,7 @@ class OrderFreeSum {
   bool is_odd_ = false;
 };
 
-/// Of n terms, and the largest of their magnitudes.
+/// Sum of n terms and the largest of their magnitudes.
 struct SumAndLargest {
   double sum = 0.0, largest = 0.0;
 };

@@ -35,7 +35,7 @@ inline std::vector<int> bound_processors() {
 /// Number of the calling thread, below thread_count(); 0 outside loops.
 inline std::size_t thread_number() { return static_cast<std::size_t>(omp_get_thread_num()); }
 
-/// body(), all loops of it by threads that stay together (engine/threads/thread_team.h); what it throws is thrown here.
+/// Calls body() with one team of threads for all its loops (engine/threads/thread_team.h); rethrows its exceptions.
 template <class F>
 void with_team(const F& body) {
   if (thread_count() == 1 || omp_in_parallel()) return body();
@@ -48,15 +48,15 @@ void with_team(const F& body) {
   team.rethrow();
 }
 
-/// Threads that the next loop is shared out over: fewer than thread_count() while other programs need the processors.
-/// No result may depend on it.
+/// Number of threads of the next loop: fewer than thread_count() while other programs need the processors. No result
+/// may depend on it.
 inline std::size_t team_size() {
   ThreadTeam* const team = ThreadTeam::idle();
   return team ? team->size() : static_cast<std::size_t>(thread_count());
 }
 
-/// Runs f(member) on team_size() threads at once. A thread that arrives after all work is done is left out, so f must
-/// share out its work by itself and leave none to a member that has not begun.
+/// Runs f(member) on team_size() threads at once. A thread that arrives after all work is done is skipped, so f must
+/// distribute its work dynamically and leave none to a member that has not begun.
 template <class F>
 void parallel_team(const F& f) {
   if (ThreadTeam* const team = ThreadTeam::idle()) return team->run(f);
@@ -64,8 +64,8 @@ void parallel_team(const F& f) {
   f(thread_number());
 }
 
-/// One value per block, kept by the calling thread from call to call: no allocation inside a step. Not to be nested for
-/// one T.
+/// One value per block, in thread-local memory that is reused from call to call: no allocation inside a step. Not
+/// reentrant for one T.
 template <class T>
 std::vector<T>& block_results(std::size_t blocks, T start) {
   thread_local std::vector<T> kept;
@@ -78,21 +78,21 @@ struct alignas(64) Counter {
   std::size_t value;
 };
 
-/// Pieces [0, n), n below 2^31, shared out over threads. Each thread owns a run of neighbouring pieces, the same in all
-/// loops of this length, so its data stay in its cache, and works from the front. An idle thread steals from the back
-/// of other runs: a slow core then loses the same pieces in every loop, and they stay in the cache of the thief. (From
-/// the front they move to and fro: contacts of 20 000 spheres in free fall, two threads, one core at two thirds of the
-/// other's speed, 0.152 s, from the back 0.135.) If the owner of a run has not arrived, thieves take its front: a piece
-/// never waits for earlier ones that no thread works on.
+/// Work stealing over pieces [0, n), n below 2^31. Each thread owns a run of neighbouring pieces, the same in all loops
+/// of this length, so its data stay in its cache, and works from the front. An idle thread steals from the back of
+/// other runs: a slow core then loses the same pieces in every loop, and they stay in the thief's cache. (Contacts of
+/// 20 000 spheres in free fall, two threads, one core at two thirds of the other's speed: 0.135 s; 0.152 s if stolen
+/// from the front.) If the owner of a run has not arrived, thieves take its front, so that no piece waits for earlier
+/// ones that no thread works on.
 class WorkRanges {
  public:
-  /// left: one for each run, owned by the caller; they outlive this.
+  /// left: one counter per run; they must outlive this.
   WorkRanges(std::size_t n, std::span<Counter> left) : n_(n), left_(left) {}
   void start() const {
     for (std::size_t p = 0; p < left_.size(); ++p)
       left_[p].value = n_ * p / left_.size() | n_ * (p + 1) / left_.size() << 32;
   }
-  /// f(piece) for those the calling thread takes.
+  /// Calls f(piece) for the pieces that the calling thread takes.
   template <class F>
   void each(std::size_t thread, const F& f) const {
     const std::atomic_ref own(left_[thread % left_.size()].value);
@@ -104,7 +104,7 @@ class WorkRanges {
     }
     for (std::size_t k = 1; k < left_.size(); ++k) help(left_[(thread + k) % left_.size()], f);
   }
-  /// The piece of its own run that the calling thread takes next, unless a thief is faster; n where none is left.
+  /// Next piece of the calling thread's own run, unless a thief takes it first; n if none is left.
   std::size_t next_own(std::size_t thread) const {
     const std::size_t left = std::atomic_ref(left_[thread % left_.size()].value).load(std::memory_order_relaxed);
     return front(left) < back(left) ? front(left) : n_;
@@ -214,7 +214,7 @@ T block_max(std::size_t n, T least, const F& f) {
   return least;
 }
 
-/// Sum of six-vectors and the like: an aggregate of doubles with a zero and +=.
+/// Sum of three terms: an aggregate of doubles with a zero and +=.
 struct Sum3 {
   double a = 0, b = 0, c = 0;
   Sum3& operator+=(const Sum3& o) {

@@ -1,4 +1,4 @@
-/// @file parallel_order.h  Selecting, adding up and grouping by several threads, each in the order of one thread.
+/// @file parallel_order.h  Parallel selection, prefix sum and grouping with the results of one thread.
 #pragma once
 #include <numeric>
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace epafi {
 
-/// Least number of elements that pays for a fork: 16 kB of them.
+/// Least number of elements for several threads: 16 kB of them.
 template <class Column>
 inline constexpr std::size_t fill_grain = std::max<std::size_t>(64, 16384 / sizeof(typename Column::value_type));
 

@@ -9,7 +9,7 @@
 namespace epafi {
 
 namespace parallel_detail {
-/// Parts that one thread has found and not finished, each with the number of its accumulator.
+/// Parts that one thread has found but not finished, each with the number of its accumulator.
 class Waiting {
  public:
   Waiting(std::size_t first, std::size_t accumulators) : free_(kept_free()), parts_(kept_parts()) {

@@ -3,13 +3,13 @@
 
 namespace epafi {
 
-/// Of the calling thread: how often the system has taken the processor from it since it began; 0 where it does not say.
+/// Number of involuntary context switches of the calling thread; 0 if the system does not tell.
 long involuntary_switches();
 
-/// Decides for one thread when the team goes on without it: when loops wait for it, while other programs have its
-/// processor, for more than a fifth of the time over some tenths of a second. Many short preemptions cost little, a few
-/// time slices of another program (3 ms and more) cost more than the thread is worth. It then rests, from a tenth of a
-/// second up to two where each return ends the same way. Decides speed only, never a result.
+/// Decides when the team continues without a thread: if loops wait for it, while other programs use its processor, for
+/// more than a fifth of the time over some tenths of a second. Many short preemptions cost little; a few time slices of
+/// another program (3 ms and more) cost more than the thread gains. It then rests for a tenth of a second, up to two if
+/// it is preempted again. Affects speed only, never a result.
 class Preemptions {
  public:
   /// A loop that ended at `now` waited for the preempted thread for `lost` [s].

@@ -1,15 +1,14 @@
-/// @file shared_out.h  How long the calling thread has been in loops that are shared out over threads, or would be if
-/// there were more than one: what is left of a stage is its serial part, which no further thread makes shorter.
+/// @file shared_out.h  Time of the calling thread in loops that are parallel, or would be with several threads. The
+/// rest of a stage is its serial part.
 #pragma once
 #include <chrono>
 
 namespace epafi {
 
-/// Lives as long as a loop; one inside another counts once. Two readings of the clock, 50 ns, where a fork of 2 us
-/// pays.
+/// Lives as long as a loop; nested ones count once. Costs two clock readings, 50 ns.
 class SharedOut {
  public:
-  /// pays: the loop is long enough to be shared out; others count as serial.
+  /// pays: the loop is long enough for several threads; others count as serial.
   explicit SharedOut(bool pays) : outermost_(pays && !counting_) {
     if (outermost_) {
       counting_ = true;
@@ -25,7 +24,7 @@ class SharedOut {
   SharedOut(const SharedOut&) = delete;
   SharedOut& operator=(const SharedOut&) = delete;
 
-  /// Of the calling thread since it began [s].
+  /// Sum for the calling thread [s].
   static double seconds() { return seconds_; }
 
  private:

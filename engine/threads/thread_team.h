@@ -36,8 +36,8 @@ class ThreadTeam {
     if (resting_ > 0) call_rested();
     return threads_ - resting_;
   }
-  /// By the leader: body(), whose loops call run(); then the others are released. threads: those that were started.
-  /// What body throws is kept for rethrow().
+  /// Called by the leader: runs body(), whose loops call run(), then releases the other threads. threads: number
+  /// started. An exception of body is kept for rethrow().
   template <class F>
   void lead(std::size_t threads, const F& body) {
     threads_ = threads;

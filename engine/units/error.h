@@ -10,7 +10,7 @@
 
 namespace epafi {
 
-/// Where in a user's text something stands; line and column count from 1, 0 is unknown.
+/// Place in a user's text; line and column count from 1, 0: unknown.
 struct Place {
   std::string file;
   int line = 0;

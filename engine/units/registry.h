@@ -1,6 +1,5 @@
-/// @file registry.h  What every list of variants is made of: an entry with a name, a summary, its parameters and its
-/// needs. The same entry feeds the scene parser, `epafi list`, `epafi explain`, the JSON Schema and the reference
-/// pages.
+/// @file registry.h  Entries of all lists of variants: name, summary, parameters and needs. The same entry feeds the
+/// scene parser, `epafi list`, `epafi explain`, the JSON Schema and the reference pages.
 #pragma once
 #include <limits>
 #include <map>
@@ -29,7 +28,7 @@ inline constexpr Range positive{0, infinity, true, false};
 inline constexpr Range not_negative{0, infinity, false, false};
 inline constexpr Range unit_interval{0, 1, false, false};
 
-/// What a field holds.
+/// Type of the value of a field.
 enum class Kind {
   number,  ///< with `choices`: or one of these words ("auto")
   integer,
@@ -43,12 +42,12 @@ enum class Kind {
   quadruples,  ///< a list of four numbers each, stored one behind the other
   texts,       ///< one word or a list of them
   table,       ///< a nested table; its values are stored flat as `name.key`
-  shape,       ///< a name under [shape.*] or a shape written in place; read by whoever knows the shapes
-  rows,        ///< a list of rows of numbers; read by whoever knows what they mean, as the next ones
-  load,        ///< a vector whose components may follow time, or a table of it; stored is the steady part
+  shape,       ///< a name under [shape.*] or a shape written in place; has its own parser
+  rows,        ///< a list of rows of numbers; has its own parser, like the next ones
+  load,        ///< a vector with components that may depend on time, or a table of it; the constant part is stored
   motions,     ///< a table by `fields`, or a list of them
   bound,       ///< a number, or a table with that number in `below`
-  tables,      ///< a table or list of tables with a declaration of its own; read with that
+  tables,      ///< a table or list of tables with its own declaration
 };
 
 /// A resolved value of a field (numbers in SI).
@@ -96,7 +95,8 @@ class Parameters {
   std::map<std::string, Value> values_;
 };
 
-/// What a part asks the engine for; the union over a scene is its StepPlan, everything else is absent.
+/// Columns and features that a part needs from the engine; a scene's StepPlan is the union over its parts, all else is
+/// absent.
 struct Needs {
   bool rotation = false;        ///< orientation, angular velocity, torque of free bodies
   bool slip_velocity = false;   ///< tangential velocity at the contact

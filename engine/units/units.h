@@ -28,7 +28,7 @@ struct UnitResult {
 /// "N s/m", "kg/m^3", "1/s", "m s^-2": factors by space, * or /; a / divides by the next factor only.
 UnitResult parse_unit(std::string_view text);
 
-/// As `si_unit` of read_quantity: whatever unit the text has.
+/// Value of `si_unit` of read_quantity that accepts any unit.
 inline constexpr std::string_view any_unit = "*";
 
 /// Either the value in SI or what is wrong with the text.

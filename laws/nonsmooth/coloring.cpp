@@ -10,7 +10,7 @@
 namespace epafi {
 
 namespace {
-/// Of ids, the lower one first. No two pairs have the same: mix_bits takes each number to another one.
+/// Hash of two ids, the lower one first. Unique, since mix_bits is a bijection.
 std::uint64_t hash_of(BodyId a, BodyId b) {
   const auto low = static_cast<std::uint64_t>(std::min(a, b)), high = static_cast<std::uint64_t>(std::max(a, b));
   return mix_bits(low << 32 | high);
@@ -43,7 +43,7 @@ void Coloring::find_groups(std::span<const Slot> a, std::span<const Slot> b) {
   });
 }
 
-/// True where they are the ones of the last call.
+/// True if they are those of the last call.
 bool Coloring::find_bodies(const Bodies& bodies) {
   const std::size_t n = bodies.inverse_mass.size();
   free_found_.resize(n);

@@ -1,10 +1,10 @@
 /// @file coloring.h  Groups of contacts between the same two bodies, coloured so that no free body occurs twice in a
 /// colour. Greedy in the order of a hash of the pair's ids (Jones and Plassmann 1993): the colours are a function of
 /// the pairs alone, not of the slots, so coloured Gauss-Seidel gives the same bits for every thread count and order of
-/// the bodies. A pair needs the colours of earlier pairs at its bodies only: chains of such needs, `rounds` long, are
-/// short in a random order (24 where the canonical one has 376, 24 000 pairs), so that many could find them together.
-/// Bodies that cannot move do not conflict. Limit: 63 colours; a group that finds none (a body with more neighbours)
-/// goes to a last colour that runs in sequence.
+/// the bodies. A pair depends only on the colours of earlier pairs at its bodies. In a random order the longest chain
+/// of dependences, `rounds`, is short (24 for 24 000 pairs; 376 in canonical order), so pairs could be coloured in
+/// parallel. Bodies that cannot move do not conflict. Limit: 63 colours; further groups (of a body with more
+/// neighbours) form a last colour that runs in sequence.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -45,13 +45,13 @@ class Coloring {
   /// Groups of colour c are groups()[begin(c)] .. groups()[begin(c + 1) - 1].
   std::size_t colors() const { return begin_.size() - 1; }
   std::size_t begin(std::size_t color) const { return begin_[color]; }
-  /// In how many rounds all pairs would find their colours, each as soon as those before it at its bodies have theirs.
+  /// Length of the longest chain of dependences between pairs.
   std::size_t rounds() const { return rounds_; }
   /// The groups of this colour may share bodies: run them in sequence.
   bool in_sequence(std::size_t color) const { return has_overflow_ && color + 1 == colors(); }
 
  private:
-  /// What pairs found so far at a body.
+  /// Colours used so far at a body.
   struct AtBody {
     std::uint64_t used;  ///< colours, one bit each
     std::uint32_t rounds;

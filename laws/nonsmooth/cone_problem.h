@@ -2,7 +2,7 @@
 /// files: u = W r + q, K*_mu contains u~, orthogonal to r in K_mu. Two forms:
 ///   body form   W = H^T M^-1 H with M block-diagonal (6 velocities per body) and at most two bodies per contact
 ///   local form  W itself in 3 x 3 blocks, when nothing is known about bodies
-/// Memory is linear in contacts (body form) or in the blocks of W. Bodies that nothing moves have no rows.
+/// Memory is linear in contacts (body form) or in the blocks of W. Bodies that cannot move have no rows.
 #pragma once
 #include <array>
 #include <span>
@@ -56,16 +56,16 @@ struct ConeProblem {
       if (row.body[s] != no_body) u.noalias() += row.jacobian[s].transpose() * v[row.body[s]];
     return u;
   }
-  /// What the residual is relative to: `reference`, or the Euclidean norm of q, or 1 if that is 0.
+  /// Reference of the residual: `reference`, or the Euclidean norm of q, or 1 if that is 0.
   double q_norm() const;
-  /// The residual of impulses r with their velocities u (laws/nonsmooth/residual.h) for rho = scale, of the contacts
-  /// that impulses move.
+  /// Residual of impulses r with their velocities u (laws/nonsmooth/residual.h) for rho = scale, over contacts with
+  /// W_ii > 0.
   double residual(const Impulses& r, const std::vector<Vec3>& u) const;
 
-  /// Of a step; keeps its memory from call to call.
+  /// Loads the problem of a step; reuses memory from call to call.
   void load(const ContactProblem& problem);
-  /// Of matrices. The global form becomes the body form if M has blocks of at most six velocities and every contact
-  /// touches at most two of them, else W is computed.
+  /// Converts matrices. The global form becomes the body form if M has blocks of at most six velocities and every
+  /// contact touches at most two of them, else W is computed.
   static ConeProblem from(const GlobalForm& form);
   static ConeProblem from(const LocalForm& form);
   /// The normal rows alone as a dense matrix, for solvers of linear complementarity problems.

@@ -10,7 +10,7 @@ namespace epafi {
 
 namespace {
 
-/// Adds S^T J S, S x = arm cross x and J symmetric: what impulses at `arm` turn of the velocity there. Its columns.
+/// Adds the columns of S^T J S, S x = arm cross x, J symmetric: change of the velocity at `arm` by rotation.
 void add_turning(const Mat3& j, const Vec3& arm, Vec3& c0, Vec3& c1, Vec3& c2) {
   const double x = arm.x(), y = arm.y(), z = arm.z();
   const Vec3 n0 = z * j.col(1) - y * j.col(2), n1 = x * j.col(2) - z * j.col(0), n2 = y * j.col(0) - x * j.col(1);

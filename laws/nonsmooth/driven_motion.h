@@ -14,7 +14,7 @@ class DrivenMotion {
   /// Compares with what was remembered.
   void look(const World& world);
   bool changed() const { return !linear_.empty(); }
-  /// Of the velocity at `arm` from the centre [m/s]; 0 for free and fixed bodies. Only where changed().
+  /// Change of the velocity at `arm` from the centre [m/s]; 0 for free and fixed bodies. Requires changed().
   Vec3 change(Slot s, const Vec3& arm) const {
     return angular_.empty() ? linear_[s] : Vec3(linear_[s] + angular_[s].cross(arm));
   }

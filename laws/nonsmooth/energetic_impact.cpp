@@ -21,7 +21,7 @@ struct ImpactMoment {
   double work = 0.0;      ///< [J], < 0 in compression
 };
 
-/// How far the impact goes: to the end of compression, or to a work of the normal impulse.
+/// End of a phase of the impact: of compression, or a given work of the normal impulse.
 struct ImpactGoal {
   bool compression = true;
   double work = 0.0;
@@ -33,7 +33,7 @@ class ImpactPath {
  public:
   ImpactPath(const Mat3& w, double mu, const Vec3& u) : w_(w), mu_(mu), speed_(-u.x()) { now_.u = u; }
 
-  /// To the goal.
+  /// Integrates to the goal.
   void run(const ImpactGoal& goal) {
     for (int k = 0; k < most_steps && goal.excess(now_) < 0.0; ++k) {
       const double slip = tangential_norm(now_.u);
@@ -82,7 +82,7 @@ class ImpactPath {
     now_ = advanced(high);
   }
 
-  /// Friction over p where the contact has come to rest: what keeps it there, or slip that starts along its own line.
+  /// Friction over p after slip has stopped: that of sticking, or of slip that starts along a straight line.
   Vec3 resting_rate() const {
     const double w11 = w_(1, 1), w22 = w_(2, 2), w12 = w_(1, 2), n1 = w_(1, 0), n2 = w_(2, 0);
     // f of (W_TT + lambda) f = -W_TN: lambda = 0 sticks; sliding, f = -mu t with du_T/dp = (lambda mu) t

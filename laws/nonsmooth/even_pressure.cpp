@@ -17,7 +17,7 @@ bool is_closed(const ContactProblem& problem, std::uint32_t i, double gap_rate, 
   return problem.mobility[i] > 0.0 && (r[i].x() > 0.0 || gap_rate <= touching);
 }
 
-/// The shortest r >= 0 with the G^T r of the given one, by steps to the shortest r of the rows that carry load.
+/// The shortest r >= 0 with the given G^T r, by steps to the shortest r of the loaded rows.
 Eigen::VectorXd shortest(const Eigen::MatrixXd& g, Eigen::VectorXd r) {
   constexpr int rounds = 4;
   constexpr double weight = 1e-12;  // of the Gram matrix: displacements that close no contact
@@ -87,7 +87,7 @@ void EvenPressure::collect(const ContactProblem& problem, const std::vector<Vec3
   contacts_.erase(std::unique(contacts_.begin(), contacts_.end()), contacts_.end());
 }
 
-/// G: by how much displacements and turns of the bodies open the contacts, columns of length 1.
+/// G: opening of the contacts by displacements and rotations of the bodies, columns of length 1.
 EvenPressure::Matrix EvenPressure::displacements(const ContactProblem& problem) const {
   Matrix g = Matrix::Zero(static_cast<Eigen::Index>(contacts_.size()), columns_);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {

@@ -1,9 +1,8 @@
-/// @file even_pressure.h  How servo walls press on what lies between them. A wall does not turn, so the impulses of its
-/// points may lie anywhere on the face it presses: every centre of pressure solves the problem of the step as long as
-/// the opposite wall has the same. It counts as soon as the wall slides: friction at one edge of both pads of a gripper
-/// tilts the body that slips through them. Sweeps leave all the load at the point they come to first.
-/// Elastic faces of equal stiffness share the load: the impulses are those of small displacements x of the bodies,
-/// r_N = G x, G^T r_N given, which is the shortest r_N that moves the bodies alike.
+/// @file even_pressure.h  Distribution of the load of servo walls over their contacts. A wall does not rotate, so every
+/// centre of pressure solves the problem of the step if the opposite wall has the same one; sweeps put all load on the
+/// contact they visit first. The distribution matters when the wall slides: friction at one edge of both pads of a
+/// gripper would tilt the body. Here impulses are those of elastic faces of equal stiffness: r_N = G x for small
+/// displacements x of the bodies, with given G^T r_N. This is the shortest r_N with the same effect on the bodies.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -14,8 +13,8 @@ namespace epafi {
 
 class EvenPressure {
  public:
-  /// Shares the load of closed contacts beside servo walls out evenly. u = W r + q. True: r has changed by more than a
-  /// hundredth and no longer solves the problem where friction depends on it; else r is as it was.
+  /// Distributes the load of closed contacts at servo walls. u = W r + q. Returns true if r has changed by more than 1
+  /// %: friction then needs a new solution; else r is unchanged.
   bool apply(const ContactProblem& problem, const std::vector<Vec3>& u, double touching, Impulses& r);
 
  private:

@@ -8,7 +8,7 @@
 namespace epafi {
 
 namespace {
-constexpr double rounding = 1e-12;  // of the fastest approach: slower ones are no impacts
+constexpr double rounding = 1e-12;  // relative to the fastest approach: slower ones are no impacts
 constexpr std::size_t most_events =
     1000;  // per contact and step; 314 collisions of the billiard take 3 in its worst step
 constexpr double closed_share = 1e-9;
@@ -104,12 +104,12 @@ void Impacts::sequential(const Step& step) {
   const auto expect = [&](std::uint32_t i, double now) {
     if (impact_.mobility[i] <= 0.0 || approach_[i] <= threshold_) return;
     const double g = std::max(0.0, gap[i]), root = approach_[i] * approach_[i] + 2.0 * gravity(i) * g;
-    if (root < 0.0) return;  // turns round before it touches
+    if (root < 0.0) return;  // reverses before it touches
     const double later = 2.0 * g / (approach_[i] + std::sqrt(root));
     if (now + later < step.dt) queue.push({now + later, i, stamp[i]});
   };
   for (std::uint32_t i = 0; i < n; ++i) {
-    if (gap[i] > 0.0) gap[i] -= 0.25 * step.dt * pull_[i];  // bodies are found where v_k alone took them in half a step
+    if (gap[i] > 0.0) gap[i] -= 0.25 * step.dt * pull_[i];  // positions in the middle are those of v_k alone
     expect(i, 0.0);
   }
   std::uint64_t done = 0;

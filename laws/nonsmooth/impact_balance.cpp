@@ -7,10 +7,10 @@
 namespace epafi {
 
 namespace {
-constexpr int most_solves = 8;           // of a step, to find s; the lowest bound found stands then
-constexpr double close_enough = 0.01;    // of the energy that was struck: s need not be nearer
-constexpr double clip_rounding = 1e-13;  // of the energy that was struck
-constexpr double least_scale = 0.999;    // impulses further off are no matter of tolerance: bodies would sink
+constexpr int most_solves = 8;           // of a step, to find s; then the lowest bound is used
+constexpr double close_enough = 0.01;    // of the energy of the impact: accuracy of s
+constexpr double clip_rounding = 1e-13;  // of the energy of the impact
+constexpr double least_scale = 0.999;    // smaller scales are no matter of tolerance: bodies would sink
 }  // namespace
 
 void ImpactBalance::begin(std::size_t contacts) { bounces_.assign(contacts, {}); }
@@ -24,7 +24,7 @@ std::uint32_t ImpactBalance::root(std::uint32_t slot) {
   return slot;
 }
 
-/// Of the free body of contact i; both of two free ones have the same one where an impulse joins them.
+/// Root of a free body of contact i; two free ones joined by an impulse have the same root.
 std::uint32_t ImpactBalance::root_of(const ContactProblem& problem, std::size_t i) {
   return root(problem.is_free(problem.a[i]) ? problem.a[i] : problem.b[i]);
 }
@@ -102,8 +102,8 @@ bool ImpactBalance::tighten(const Solved& solved, double tolerance, ContactProbl
   return true;
 }
 
-/// The energy that impulses a r change is a r.u_m + a^2 r.W r/2, u_m half a step of gravity after u-: 0 at a = 1 + 2
-/// lost / r.W r.
+/// Impulses a r change the energy by a r.u_m + a^2 r.W r/2, with u_m half a step of gravity after u-; this is 0 at a =
+/// 1 + 2 lost / r.W r.
 bool ImpactBalance::clip(const Solved& solved, Impulses& r) {
   find_islands(solved);
   measure(solved);

@@ -1,10 +1,10 @@
-/// @file impact_balance.h  Energy of impacts at several contacts at once. Newton's law u_N+ = -e u_N- alone can gain
-/// some: where normal impulses turn the slip round, friction of the final slip gives back what it did not take (Kane's
-/// paradox). Here the rebound of an island of bodies is s e u_N- with the largest s in [0, 1] for which it does not:
+/// @file impact_balance.h  Energy of simultaneous impacts. Newton's law u_N+ = -e u_N- alone can create energy: if
+/// normal impulses reverse the slip, friction, which opposes the final slip, does positive work (Kane's paradox). Here
+/// the rebound of an island of bodies is s e u_N- with the largest s in [0, 1] that satisfies
 ///   sum of -r.(u- + u+)/2  >=  sum over contacts that bounce of (1 - e)/2 r_N |u_N-|,
-/// the loss of the same impulses without friction. s = 1 where nothing is wrong, which is everywhere without friction
-/// and with one e. s = 0 never gains: then r.u+ <= 0 and the kinetic energy changes by r.u+ - r.W r/2. Solvers end at a
-/// tolerance; what is left of a gain is taken out by scaling the impulses of the island to none.
+/// the loss of the same impulses without friction. s = 1 if all contacts have no friction and one e. s = 0 never
+/// creates energy: then r.u+ <= 0 and the kinetic energy changes by r.u+ - r.W r/2. Since solvers stop at a tolerance,
+/// a remaining gain is removed by scaling down the impulses of the island.
 #pragma once
 #include <vector>
 
@@ -15,13 +15,13 @@ namespace epafi {
 /// A contact that bounces: u_N >= -(restitution middle - half) at the end of the step.
 struct Bounce {
   double middle = 0.0;       ///< speed of approach at the middle of the step [m/s]; 0: it does not bounce
-  double half = 0.0;         ///< what half a step of gravity adds to it [m/s]
-  double restitution = 0.0;  ///< e asked for
+  double half = 0.0;         ///< change of that speed by half a step of gravity [m/s]
+  double restitution = 0.0;  ///< e of the material pair
 };
 
 class ImpactBalance {
  public:
-  /// Of a solve: its problem, impulses, and relative velocities before and after [m/s].
+  /// A solve: its problem, impulses, and relative velocities before and after [m/s].
   struct Solved {
     const ContactProblem& problem;
     const Impulses& r;
@@ -29,7 +29,7 @@ class ImpactBalance {
     const std::vector<Vec3>& after;
   };
 
-  /// A step with so many contacts; none bounces.
+  /// Begins a step with `contacts` contacts, none of which bounces.
   void begin(std::size_t contacts);
   void note(std::size_t i, const Bounce& bounce) { bounces_[i] = bounce; }
   void drop(std::size_t i) { bounces_[i] = {}; }

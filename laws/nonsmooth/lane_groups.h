@@ -1,5 +1,5 @@
 /// @file lane_groups.h  The pairs of a colour (coloring.h) in groups of four, for sweeps over four contacts at a time
-/// (lane_sweep.h), and which thread has which: the same part of every colour, so that it meets the same bodies.
+/// (lane_sweep.h). Each thread has the same part of every colour, so that it accesses the same bodies.
 #pragma once
 #include <array>
 #include <span>
@@ -29,16 +29,16 @@ class LaneGroups {
   std::size_t size() const { return groups_.size(); }
   const LaneGroup* data() const { return groups_.data(); }
   std::size_t rows() const { return groups_.empty() ? 0 : groups_.back().end; }
-  /// What is done before the next may begin: a colour that threads share, or some of a piece or less and the one that
-  /// runs in sequence, one after the other by one thread. (8 large spheres among 8000 small ones: of 64 colours 60 have
-  /// one group. Contacts of a step with two threads 2.0 ms, so 0.93.)
+  /// Number of stages, which run one after the other: a stage is a colour that threads share, or several small colours
+  /// and the sequential one, run by one thread. (8 large spheres among 8000 small ones: 60 of 64 colours have one
+  /// group. On two threads the contacts of a step take 0.93 ms with such stages, 2.0 ms without.)
   std::size_t stages() const { return is_shared_.size(); }
   /// Groups of stage s are data()[begin(s)] .. data()[begin(s + 1) - 1].
   std::size_t begin(std::size_t stage) const { return begin_[stage]; }
   std::size_t size(std::size_t stage) const { return begin_[stage + 1] - begin_[stage]; }
   /// Groups of colour c are data()[color_begin(c)] .. data()[color_begin(c + 1) - 1].
   std::size_t color_begin(std::size_t color) const { return color_begin_[color]; }
-  /// How many groups of a stage a thread takes at once.
+  /// Number of groups of a stage that a thread takes at once.
   std::size_t piece(std::size_t stage) const { return is_shared_[stage] ? grain : size(stage); }
   /// Groups in stages that threads share.
   std::size_t shared() const { return shared_; }

@@ -138,8 +138,8 @@ struct ColorTask {
     }
   }
 
-  /// Bodies of a group soon to come, which lie all over their column: 5000 stones 28.4 for 30.8 ms a step, with two
-  /// threads 16.1 for 18.8. One to four groups ahead are the same.
+  /// Prefetches bodies of a later group, which are scattered over their column: 5000 stones take 28.4 instead of 30.8
+  /// ms a step, with two threads 16.1 instead of 18.8. One to four groups ahead are equal.
   static constexpr std::ptrdiff_t ahead = 2;
   EPAFI_LANES void ask_for(const LaneGroup& group) const {
     for (const auto* slots : {&group.a, &group.b})
@@ -254,12 +254,13 @@ void LaneSweep<Rotates, Rule>::load_bodies(const ContactProblem& problem, const 
   });
 }
 
-/// A sweep is worth more threads: half of it takes longer than they wait for each other between its stages. (8 large
-/// spheres among 8000 small ones, contacts of a step with two threads 0.93 ms, so 0.72; with one 0.63.)
+/// True if several threads are faster: half of the sweep takes longer than the waits between its stages. (8 large
+/// spheres among 8000 small ones, two threads: contacts of a step 0.72 ms with this test, 0.93 without; one thread
+/// 0.63.)
 template <bool Rotates, LaneRule Rule>
 bool LaneSweep<Rotates, Rule>::pays() const {
   constexpr double row = (Rule::rows + 2) * (Rotates ? 10e-9 : 6e-9);  // Zen 5: 30, 50 and 15, 30 ns with 1, 3 rows
-  constexpr double stage = 1e-6;  // 0.5 to 2.5 us, by how far the processors are apart
+  constexpr double stage = 1e-6;  // 0.5 to 2.5 us, depending on the latency between processors
   if (groups_->shared() == 0) return false;
   const double part = static_cast<double>(groups_->shared()) / static_cast<double>(groups_->size());
   return 0.5 * part * row * static_cast<double>(groups_->rows()) > stage * static_cast<double>(groups_->stages() + 1);
@@ -279,7 +280,7 @@ double LaneSweep<Rotates, Rule>::run(const Rule& rule, bool measured) {
   const auto sum = [&](std::size_t k) {
     sums_[k].add(changes.subspan(k * sum_block, std::min(sum_block, changes.size() - k * sum_block)));
   };
-  // the last stage: a loop of its own took 7 of 180 us (5000 stones, two threads)
+  // part of the last stage: a separate loop would take 7 of 180 us (5000 stones, two threads)
   parallel_stages(
       stages + std::size_t{measured}, pays(),
       [&](std::size_t s) { return s < stages ? groups_->size(s) : sums_.size(); },

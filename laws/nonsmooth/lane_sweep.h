@@ -38,7 +38,7 @@ class LaneSweep {
             std::span<const Vec3> lag, const Impulses& r, const BodyVelocities& v);
   /// One update of every contact; returns the sum of |change of r|^2, 0 where it is not measured.
   double run(const Rule& rule, bool measured = true);
-  /// The groups of one colour alone, where whoever calls does something between two colours; measured.
+  /// Updates the groups of one colour alone, for callers that act between colours; measured.
   void run_color(const Rule& rule, std::size_t color);
   /// |change of r|^2 of each pair in the last sweep that was measured.
   std::span<const double> changes() const { return {change_.data(), change_.size()}; }
@@ -50,7 +50,7 @@ class LaneSweep {
   /// Its square, pair by pair, until the next call.
   std::span<const double> natural_squares(double rho) const requires(Rule::rows == 3);
 
-  /// What the rows have made of the velocities of body s.
+  /// Present velocity of body s [m/s].
   Vec3 linear(Slot s) const { return {bodies_[s].velocity[0], bodies_[s].velocity[1], bodies_[s].velocity[2]}; }
   /// `if constexpr` too: an explicit instantiation makes Clang 14 compile members whose `requires` fails.
   Vec3 angular(Slot s) const requires Rotates {

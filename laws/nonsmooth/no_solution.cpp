@@ -12,10 +12,10 @@ namespace epafi {
 
 namespace {
 
-constexpr double no_distance = 1e-7;          // of the normalised problem: least squares that are none
+constexpr double no_distance = 1e-7;          // of the normalised problem: a distance that counts as 0
 constexpr double machine_rounding = 2.2e-16;  // rounding
 
-/// NormalColumns of the least-squares problem: of contact i its row of W^(1/2) over its length, and below it q_N alike.
+/// Columns of the least-squares problem: for contact i its row of W^(1/2) over its length, and below it q_N likewise.
 struct NormalColumns {
   Eigen::MatrixXd a;
   std::vector<double> length;  ///< sqrt(W_NN) [kg^(-1/2)]

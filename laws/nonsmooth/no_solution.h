@@ -1,6 +1,6 @@
-/// @file no_solution.h  Why a problem has no solution, where it has none. u = W r + q with r and u~ in their cones is
-/// solvable if and only if some velocity opens all contacts (Acary and Cadoux 2013): its normal rows alone decide. None
-/// does if there are impulses d >= 0 that move nothing and that all contacts would have to work against (Farkas 1902):
+/// @file no_solution.h  Detects problems without solution, and gives the reason. u = W r + q with r and u~ in their
+/// cones is solvable if and only if some velocity opens all contacts (Acary and Cadoux 2013); only normal rows matter.
+/// No velocity does if there are impulses d >= 0 that move nothing and against which all contacts close (Farkas 1902):
 ///   W_NN d = 0,   q_N . d < 0:   a ray along which every method runs off; of a body between two driven walls d = (1,
 ///   1).
 /// One contact whose row and column of W are zero while q_N < 0 is the simplest one. Found as the least d >= 0 of
@@ -21,12 +21,12 @@ struct NoSolution {
   std::string text() const;             ///< "ray: contacts 1 and 2 close with 0.5 m/s whatever moves"
 };
 
-/// Looks at the contacts that impulses cannot open and at most `most` of those around the contact that closes fastest;
-/// u: velocities that a solver came to. Nothing where these have a solution: others may have none then.
+/// Examines contacts that impulses cannot open, and at most `most` contacts around the one that closes fastest. u:
+/// relative velocities from a solver [m/s]. Returns nothing if these have a solution; others may still have none.
 std::optional<NoSolution> find_no_solution(const ConeProblem& problem, const std::vector<Vec3>& u,
                                            std::size_t most = 64);
 
-/// Impulses so large that the rounding of W r is more than `share` of q: then no residual means anything.
+/// True if impulses are so large that rounding errors of W r exceed `share` of q: no residual is meaningful then.
 bool beyond_measure(const ConeProblem& problem, const Impulses& r, double share);
 
 }  // namespace epafi

@@ -12,10 +12,10 @@ namespace epafi {
 namespace {
 
 constexpr double impact_threshold = 2.0;  // of |g| dt, see the header
-constexpr double slow_share = 0.5;        // of that: impacts at their own time, which are exact
+constexpr double slow_share = 0.5;        // of that: for located impacts, which are exact
 constexpr double calm_from = 0.01;        // of the tolerance: pyramids of 20 to 70 rows come to rest without iterations
 constexpr double creep = 1e-3;            // of the threshold
-constexpr double touching_share = 1e-9;   // a gap that closes in this share of the step is none
+constexpr double touching_share = 1e-9;   // a gap that closes within this share of the step counts as closed
 
 }  // namespace
 
@@ -65,7 +65,7 @@ void NonsmoothContact::load(const World& world, const ContactSet& contacts, cons
   });
 }
 
-/// What driven bodies changed of the slip of contact i since the last step, in its frame.
+/// Change of the slip of contact i by driven bodies since the last step, in its frame.
 Vec3 NonsmoothContact::driven_change(std::size_t i) const {
   const Slot a = problem_.a[i], b = problem_.b[i];
   Vec3 change = driven_.change(b, problem_.arm_b[i]) - driven_.change(a, problem_.arm_a[i]);
@@ -73,9 +73,9 @@ Vec3 NonsmoothContact::driven_change(std::size_t i) const {
   return {0.0, change.y(), change.z()};
 }
 
-/// r = impulses of the last step. Always, even after an impact: taking r = 0 where that has the smaller residual chose
-/// 0 in five of six steps of a settling pile (the residual weighs errors against one step of gravity, not against the
-/// load) and never let 200 polyhedra come to rest with 50 sweeps.
+/// Starts from the impulses of the last step, even after an impact. Taking r = 0 if its residual is smaller would
+/// choose 0 in five of six steps of a settling pile (the residual is relative to one step of gravity, not to the load),
+/// and 200 polyhedra would never come to rest with 50 sweeps.
 void NonsmoothContact::start(const World& world, const ContactSet& contacts, double dt) {
   if (!warm_start_) return r_.assign(contacts.size(), Vec3::Zero());
   memory_.recall(world, contacts, problem_, r_);
@@ -87,29 +87,29 @@ void NonsmoothContact::start(const World& world, const ContactSet& contacts, dou
       Vec3 now(0.0, u_before_[i].y(), u_before_[i].z());
       if (driven_.changed()) now -= driven_change(i);
       Vec3 turned =
-          now - problem_.to_frame(i, *slip);  // by the geometry alone: the velocities are those of the last step
+          now - problem_.to_frame(i, *slip);  // change by geometry alone: both have the velocities of the last step
       turned.x() = 0.0;
       const double size = turned.norm(), most = 2.0 * now.norm();
       problem_.lag[i] = (size > most ? 0.5 * most / size : 0.5) * turned;
     }
     if (contacts.gap[i] >= 0.0 || problem_.offset[i] < 0.0) return;
-    const double missed = memory_.foreseen(i) - contacts.gap[i], approach = -u_before_[i].x();
+    const double missed = memory_.predicted_gap(i) - contacts.gap[i], approach = -u_before_[i].x();
     if (balances_ && approach <= 0.0) return;
     problem_.offset[i] = -std::clamp(missed / dt, 0.0, std::max(0.0, approach));
   });
 }
 
-/// Open contacts that were no impact by the free motion but were stopped by one elsewhere: they close and bounce in the
-/// next step. Held at u_N = -g/dt they would take the restitution out of every chain of impacts (an elastic heap of 216
-/// balls lost 2 % of its energy in 2 s). False when there are none.
+/// Excludes open contacts that only an impact elsewhere closes; they close and bounce in the next step. Stopped at u_N
+/// = -g/dt they would remove the restitution from every chain of impacts (an elastic heap of 216 balls would lose 2 %
+/// of its energy in 2 s). Returns false if there are none.
 bool NonsmoothContact::release_induced(const World& world, const ContactSet& contacts, double dt) {
   const double threshold = impact_threshold * world.gravity.norm() * dt;
   const auto released = [&](std::size_t i) -> char {
     if (problem_.offset[i] < 0.0 || r_[i].x() <= 0.0) return 0;
     const double stopped = r_[i].x() * problem_.mobility[i];
     if (stopped <= threshold) return 0;
-    // closed: gravity or rounding alone would close it in a step. A support whose gap is rounding carries a load that
-    // is many times what the threshold says of one body; let go, a stack at rest falls for a step, and again later
+    // closed: gravity or rounding alone would close it in a step. A support whose gap is rounding may carry many times
+    // the load of one body; if it were excluded, a stack at rest would fall for a step, repeatedly
     const bool rests = u_before_[i].x() <= threshold && contacts.gap[i] <= threshold * dt;
     if (rests || contacts.gap[i] <= touching_share * dt * stopped) return 0;
     if (materials_.of(world.material[contacts.a[i]], world.material[contacts.b[i]]).restitution <= 0.0) return 0;
@@ -120,12 +120,12 @@ bool NonsmoothContact::release_induced(const World& world, const ContactSet& con
   return block_max<char>(contacts.size(), 0, released) != 0;
 }
 
-/// r_ and, by foresee(), what follows from it.
+/// Computes r_ and, by predict(), velocities and gaps.
 SolverReport NonsmoothContact::solve(const World& world, const ContactSet& contacts, double dt) {
   SolverReport report{true, 0, infinity};
   const double good = solver_->good_start();
   if (good > 0.0) {
-    foresee(contacts, dt);
+    predict(contacts, dt);
     free_motion_ = measure_free_motion(problem_);
     report.residual = measure_residual(problem_, r_, u_, rho_, free_motion_).value;
     parallel_copy(r_, start_);
@@ -148,48 +148,47 @@ SolverReport NonsmoothContact::solve(const World& world, const ContactSet& conta
     solved_ = true;
   }
   if (solved_) {
-    foresee(contacts, dt);
+    predict(contacts, dt);
     free_motion_ = measure_free_motion(problem_);  // without the contacts that were released
     report.residual = measure_residual(problem_, r_, u_, rho_, free_motion_).value;
   }
   report.converged = report.residual <= tolerance_;
-  // not the solver's: what a gain within its tolerance takes off the impulses would count against it
-  if (balances_ && balance_.any() && balance_.clip({problem_, r_, u_struck_, u_after_}, r_)) foresee(contacts, dt);
+  // not the solver's residual: the correction of a gain within its tolerance changes the impulses
+  if (balances_ && balance_.any() && balance_.clip({problem_, r_, u_struck_, u_after_}, r_)) predict(contacts, dt);
   return report;
 }
 
-/// Solves again from the loads of servo walls as they are shared out evenly. Friction that changes with them may shift
-/// them again, less each time.
+/// Solves again from evenly distributed loads of servo walls. Friction changes with them and may shift them again, less
+/// each time.
 void NonsmoothContact::even_pressure(const ContactSet& contacts, double dt, const std::function<void()>& solve) {
   constexpr int rounds = 3;
-  constexpr double touching = 1e-3;  // of the largest speed that impulses are to change
+  constexpr double touching = 1e-3;  // of the largest speed that impulses change
   const double slow = touching * measure_free_motion(problem_).largest;
   for (int round = 0; round < rounds; ++round) {
-    foresee(contacts, dt);
+    predict(contacts, dt);
     if (!even_pressure_.apply(problem_, u_, slow, r_)) return;
     solve();
   }
 }
 
-/// Solves again while the impacts of some island give energy back by friction.
+/// Solves again while friction in impacts of some island creates energy.
 void NonsmoothContact::balance(const ContactSet& contacts, double dt, const std::function<void()>& solve) {
   const ImpactBalance::Solved solved{problem_, r_, u_struck_, u_after_};
-  foresee(contacts, dt);
+  predict(contacts, dt);
   balance_.find_islands(solved);
   while (balance_.tighten(solved, tolerance_, problem_)) {
     solve();
-    foresee(contacts, dt);
+    predict(contacts, dt);
   }
 }
 
-/// What the next step starts from: not the solution, which also takes out what earlier steps left in the velocities,
-/// and that does not recur: a stack of 100 at rest that started from it needed an iteration in every other step, for
-/// ever. But the impulses that change velocities least between this step's start and its solution, and from there what
-/// the solver makes of them (`calm`). A start that was good is calmed as well, and what creeps is brought to rest: held
-/// by the same impulses columns of cubes buckle, half as fast again in each step. What the solver makes of them counts
-/// only if the next step would start nearer: it knows contacts as they were, not those about to open (every second
-/// pyramid never came to rest without this look). The solution itself where the start
-/// was far off (the pyramid never settled otherwise) and for sweeps, which add up from step to step.
+/// Start of the next step. Not the solution, which also corrects velocity errors of earlier steps that do not recur: a
+/// resting stack of 100 that starts from it needs an iteration in every other step for ever. Instead, the impulses
+/// between this step's start and its solution that change velocities least, corrected by the solver (`calm`). Good
+/// starts are corrected too, which stops creep: under constant impulses columns of cubes buckle, 1.5 times faster in
+/// each step. The correction is used only if the next step then starts closer, since it ignores contacts about to open
+/// (without this test every second pyramid never comes to rest). The solution itself is used if the start was far off
+/// (else pyramids never settle), and for sweeps, which continue from step to step.
 const Impulses& NonsmoothContact::calmest(double creep) {
   const bool calm = solver_->calms();
   if (start_residual_ > tolerance_ || (!solved_ && !(calm && start_residual_ > calm_from * tolerance_))) return r_;
@@ -211,14 +210,14 @@ const Impulses& NonsmoothContact::calmest(double creep) {
   parallel_copy(start_, calmed_);
   solver_->calm(u_start_, calmed_);
   if (solved_) problem_.velocities(start_, calmed_velocities_);
-  const double before = foreseen_residual(start_, solved_ ? &calmed_velocities_ : nullptr);
+  const double before = predicted_residual(start_, solved_ ? &calmed_velocities_ : nullptr);
   problem_.velocities(calmed_, calmed_velocities_);
-  return foreseen_residual(calmed_, &calmed_velocities_) < before ? calmed_ : start_;
+  return predicted_residual(calmed_, &calmed_velocities_) < before ? calmed_ : start_;
 }
 
-/// With which the next step would start from r if bodies stayed where they are: r changes its velocities as it would
-/// have changed those of this step, to v; null: to those that this step came to.
-double NonsmoothContact::foreseen_residual(const Impulses& r, const BodyVelocities* v) {
+/// Residual with which the next step would start from r if bodies did not move: r changes its velocities as it would
+/// have changed those of this step, to v; null: to the velocities at the end of this step.
+double NonsmoothContact::predicted_residual(const Impulses& r, const BodyVelocities* v) {
   renew(u_next_, r.size());
   parallel_for(r.size(), [&](std::size_t i) {
     const Vec3 change = (v ? problem_.relative_velocity(i, *v) : u_after_[i]) - u_before_[i];
@@ -227,7 +226,7 @@ double NonsmoothContact::foreseen_residual(const Impulses& r, const BodyVelociti
   return measure_residual(problem_, r, u_next_, rho_, free_motion_).value;
 }
 
-/// Forces, and the energy of the step: r.(u_k + u_{k+1})/2 enters the bodies; what driven bodies move of it is their
+/// Forces and energy of the step: bodies receive r.(u_k + u_{k+1})/2; the part by motion of driven bodies is their
 /// work.
 void NonsmoothContact::account(const World& world, ContactSet& contacts, double dt, StepReport& report) const {
   renew(contacts.force, contacts.size());
@@ -252,7 +251,7 @@ void NonsmoothContact::account(const World& world, ContactSet& contacts, double 
   report.touching = static_cast<std::size_t>(sums.c);
 }
 
-/// Impacts that were struck move arms and velocities.
+/// Located impacts change arms and velocities.
 void NonsmoothContact::see_strikes() {
   parallel_for(u_struck_.size(), [&](std::size_t i) {
     u_before_[i] = problem_.relative_velocity(i, before_);
@@ -260,7 +259,7 @@ void NonsmoothContact::see_strikes() {
   });
 }
 
-/// Of the step's impulses; the velocities have those of the impacts already.
+/// Adds the step's impulses; the velocities contain those of impacts already.
 void NonsmoothContact::add_impacts() {
   for (std::size_t i = 0; i < r_.size(); ++i) r_[i] += impacts_.impulses()[i];
   parallel_for(moments_.size(), [&](std::size_t k) {
@@ -280,18 +279,18 @@ void NonsmoothContact::write_back(World& world, const StepClock& clock) const {
   });
 }
 
-/// With what contacts made of their speeds.
+/// Ends the step of servo walls with the speeds that result from contacts.
 void NonsmoothContact::move_walls(World& world, double dt) const {
   for (const Guide& guide : problem_.guides) {
     const auto found = std::ranges::find(walls_, world.id[guide.slot], [](const auto& wall) { return wall->body; });
-    GivingWall& wall = **found;
+    NonsmoothServo& wall = **found;
     wall.end(guide.speed(after_), dt);
     world.velocity[guide.slot] = before_.linear[guide.slot] + wall.speed * guide.direction;
   }
 }
 
-/// v_{k+1}, u_{k+1}, with w what the solver sees of it, and by it the gaps at the next detection.
-void NonsmoothContact::foresee(const ContactSet& contacts, double dt) {
+/// Computes v_{k+1}, u_{k+1} (with w as in the problem), and from it the gaps at the next detection.
+void NonsmoothContact::predict(const ContactSet& contacts, double dt) {
   problem_.velocities(r_, after_, &moments_);
   renew(u_, contacts.size());
   renew(u_after_, contacts.size());
@@ -303,8 +302,8 @@ void NonsmoothContact::foresee(const ContactSet& contacts, double dt) {
   });
 }
 
-/// The gaps at the next detection, with what impacts at their own times move the bodies.
-void NonsmoothContact::foresee_displacement() {
+/// The gaps at the next detection, with the displacements by located impacts.
+void NonsmoothContact::predict_displacement() {
   parallel_for(next_gap_.size(),
                [&](std::size_t i) { next_gap_[i] += problem_.relative_velocity(i, impacts_.displacement()).x(); });
 }
@@ -331,7 +330,7 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   if (single) see_strikes();
   solver_->see(world, before_, contacts, clock.dt);
   report.solver = solve(world, contacts, clock.dt);
-  if (single) foresee_displacement();
+  if (single) predict_displacement();
   report.trouble = look_for_trouble(report.solver);
   // impacts do not recur: r_ without them
   if (warm_start_) memory_.remember(world, contacts, problem_, calmest(creep * threshold), next_gap_, u_after_);
@@ -341,13 +340,13 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   write_back(world, clock);
   move_walls(world, clock.dt);
   if (warm_start_) driven_.remember(world);
-  // r.(u_k + u_{k+1})/2 takes an impact to be at the middle
+  // r.(u_k + u_{k+1})/2 assumes an impact in the middle of the step
   if (with_impacts_) report.dissipated -= displace(world, problem_, impacts_.displacement());
   const BodyVelocities* own = solver_->displacement();
   report.correction = own ? displace(world, problem_, *own) : correction_.apply(problem_, contacts, next_gap_, world);
 }
 
-void add_giving_wall(ContactModel& model, std::shared_ptr<GivingWall> wall) {
+void add_nonsmooth_servo(ContactModel& model, std::shared_ptr<NonsmoothServo> wall) {
   auto* contact = dynamic_cast<NonsmoothContact*>(&model);
   EPAFI_REQUIRE(contact != nullptr, "walls give way in non-smooth contact");
   contact->add(std::move(wall));

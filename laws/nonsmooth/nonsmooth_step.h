@@ -46,7 +46,7 @@ class NonsmoothContact final : public ContactModel {
     visitor.value("nonsmooth/unconverged", unconverged_);
     solver_->visit(visitor);
   }
-  void add(std::shared_ptr<GivingWall> wall) { walls_.push_back(std::move(wall)); }
+  void add(std::shared_ptr<NonsmoothServo> wall) { walls_.push_back(std::move(wall)); }
   const ContactProblem& problem() const { return problem_; }
   const Impacts& impacts() const { return impacts_; }
   std::vector<float> residuals() const;
@@ -63,18 +63,18 @@ class NonsmoothContact final : public ContactModel {
   void account(const World& world, ContactSet& contacts, double dt, StepReport& report) const;
   Vec3 driven_change(std::size_t i) const;
   SolverTrouble look_for_trouble(const SolverReport& report);
-  void foresee(const ContactSet& contacts, double dt);
-  void foresee_displacement();
+  void predict(const ContactSet& contacts, double dt);
+  void predict_displacement();
   void see_strikes();
   void add_impacts();
   void write_back(World& world, const StepClock& clock) const;
   void move_walls(World& world, double dt) const;
   const Impulses& calmest(double creep);
-  double foreseen_residual(const Impulses& r, const BodyVelocities* v);
+  double predicted_residual(const Impulses& r, const BodyVelocities* v);
 
   std::string name_;
   MaterialTable materials_;
-  std::vector<std::shared_ptr<GivingWall>> walls_;
+  std::vector<std::shared_ptr<NonsmoothServo>> walls_;
   std::unique_ptr<ContactSolver> solver_;
   double tolerance_;
   Impacts impacts_;

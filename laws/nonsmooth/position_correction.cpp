@@ -17,10 +17,11 @@ double arm_square(const ContactSet& contacts, std::size_t i, const World& world)
 }
 }  // namespace
 
-/// Fills demand_ with minus the demanded normal displacements; false when none is worth its sweeps: at rest overlaps
-/// come to the slop from above and never reach it (a settled pile of 1000 stones paid a tenth of its time for that).
+/// Fills demand_ with minus the demanded normal displacements. Returns false if all are negligible: at rest, overlaps
+/// approach the slop from above without reaching it (sweeps for that would take a tenth of the time of a settled pile
+/// of 1000 stones).
 bool PositionCorrection::demand(const ContactSet& contacts, std::span<const double> gaps, const World& world) {
-  // spheres in one place touch at their centres: then the overlap alone tells how large they are
+  // concentric spheres touch at their centres: then only the overlap gives their size
   const auto square = [&](std::size_t i) { return std::max(arm_square(contacts, i, world), 0.25 * gaps[i] * gaps[i]); };
   const double worth = (1.0 + settings_.band) * settings_.slop;
   const bool any = block_max<char>(contacts.size(), 0, [&](std::size_t i) {  // squares: no root for those at rest

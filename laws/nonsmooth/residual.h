@@ -13,14 +13,14 @@ struct Residual {
   double penetration_rate = 0.0;  ///< max(-u_N) / max|q| [-]: 0.01 on a stack sinks with 1 % of g
 };
 
-/// What both are relative to.
+/// Reference velocities of the residual.
 struct FreeMotion {
   double norm = 1.0;     ///< ||q|| [m/s], 1 where q = 0; of contacts that impulses move, as the next one
   double largest = 1.0;  ///< max|q| [m/s], 1 where q = 0
 };
 [[nodiscard]] FreeMotion measure_free_motion(const ContactProblem& problem);
 
-/// Of impulses r with the velocities u = W r + q that belong to them; rho > 0 [kg].
+/// Residual of impulses r with the velocities u = W r + q that result from them; rho > 0 [kg].
 [[nodiscard]] Residual measure_residual(const ContactProblem& problem, const Impulses& r, const std::vector<Vec3>& u,
                                         double rho, const FreeMotion& q);
 

@@ -1,11 +1,10 @@
-// Law `energetic`: impacts of one contact alone. One on a body that is not free, through the centre of the free one
-// (every one of spheres), happens at its own time, along the normal that was found: with gravity until then in u_N-,
-// and the body put where it would be, -t dv from where the step takes it. That is the parabola after the impact at any
-// dt, so no energy is gained, whatever the time. Contacts found late, overlapping, were closed in the past: what is put
-// back then leads out of the overlap. At the end of the step a body that strikes later than that lies up to
-// dt/2 e |u_N-| below the surface, outside again when contacts are next found. Bodies are not turned back: unequal
-// moments of inertia would have another energy. Of two free bodies the normal turns until they meet: put back along the
-// one that was found they would change their angular momentum, so they strike in the middle of the step.
+// Law `energetic`: single impacts. A central impact on a fixed or driven body (always so for spheres) happens at its
+// own time along the detected normal: u_N- contains gravity until then, and the body is displaced by -t dv. It is then
+// on the exact parabola after the impact at any dt, so no energy is gained. Overlapping contacts have closed in the
+// past; the displacement then leads out of the overlap. At the end of the step a body with a later impact is up to dt/2
+// e |u_N-| below the surface, and outside again at the next detection. Rotations are not corrected, since with unequal
+// moments of inertia this would change the energy. The normal of two free bodies rotates until they meet, and a
+// displacement along the detected one would change the angular momentum; so they collide in the middle of the step.
 #include <algorithm>
 #include <cmath>
 
@@ -19,25 +18,25 @@ namespace {
 
 constexpr double central_rounding = 1e-9;  // of W_NN: arms of 3e-5 of the radius of gyration
 
-/// Contact i is of a free body with one that is not, and a normal impulse does not turn it.
+/// True if contact i joins a free body to a fixed or driven one, and a normal impulse does not rotate it.
 bool is_central(const ContactProblem& problem, std::size_t i, const Mat3& w) {
   if (problem.is_free(problem.a[i]) && problem.is_free(problem.b[i])) return false;
   const double translation = problem.inverse_mass[problem.a[i]] + problem.inverse_mass[problem.b[i]];
   return w(0, 0) - translation <= central_rounding * translation;
 }
 
-/// When the contact closes, from the middle of the step [s], in [-dt, dt]. Bodies are found where v_k alone took them
-/// in half a step.
+/// Time at which the contact closes, from the middle of the step [s], in [-dt, dt]. Positions in the middle are those
+/// of v_k alone.
 double closing_time(double found_gap, const Bounce& bounce, double dt) {
   const double gap = found_gap - 0.25 * dt * bounce.half, gravity = 2.0 * bounce.half / dt;
   const double square = bounce.middle * bounce.middle + 2.0 * gravity * gap;
-  if (square < 0.0) return 0.0;  // gravity alone did not bring it there
+  if (square < 0.0) return 0.0;  // gravity alone does not close it
   return std::clamp(2.0 * gap / (bounce.middle + std::sqrt(square)), -dt, dt);
 }
 
 }  // namespace
 
-/// No other contact of the free bodies of contact i closes in this step.
+/// True if no other contact of the free bodies of contact i closes in this step.
 bool Impacts::is_single(const ContactProblem& problem, std::size_t i, const Step& step) const {
   bool single = true;
   for (const Slot s : {problem.a[i], problem.b[i]}) {
@@ -51,7 +50,7 @@ bool Impacts::is_single(const ContactProblem& problem, std::size_t i, const Step
   return single;
 }
 
-/// Contact i at its own time: the points of both bodies meet, and with them the arms end there.
+/// Moves contact i to the time of impact: both arms end at the common point.
 Impacts::Strike Impacts::strike_central(ContactProblem& problem, std::size_t i, const Step& step,
                                         const Bounce& bounce) const {
   if (problem.rotates) {
@@ -67,7 +66,7 @@ Impacts::Strike Impacts::strike_central(ContactProblem& problem, std::size_t i, 
   return {i, NsgsRule::solve(NsgsRule::pack(problem.diagonal_of(i)), problem.friction[i], u), time};
 }
 
-/// The impulse at contact i; none where it is not for this law.
+/// The impulse at contact i; none if this law does not apply.
 std::optional<Impacts::Strike> Impacts::strike(ContactProblem& problem, std::size_t i, const Step& step,
                                                const Bounce& bounce) const {
   const Mat3 w = problem.diagonal_of(i);

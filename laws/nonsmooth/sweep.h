@@ -62,7 +62,7 @@ class Sweep {
     });
   }
 
-  /// What the rows have made of the velocities of body s.
+  /// Velocity of body s after the sweeps so far.
   const Vec3& linear(Slot s) const { return bodies_[s].velocity; }
   const Vec3& angular(Slot s) const requires Rotates { return bodies_[s].angular_velocity; }
 

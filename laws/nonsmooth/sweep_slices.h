@@ -11,9 +11,9 @@ struct Border {
   std::vector<std::uint32_t> bodies;
 };
 
-/// What one process sweeps. Bodies and contacts have numbers of their own.
+/// Part of the problem swept by one process, with its own numbers of bodies and contacts.
 struct SweepSlice {
-  ContactProblem problem;  ///< what sweeps read of it
+  ContactProblem problem;  ///< data read by sweeps
   Impulses r;
   BodyVelocities v;
   std::vector<ContactGroup> groups;          ///< colour by colour

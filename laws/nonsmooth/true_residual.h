@@ -1,13 +1,13 @@
-/// @file true_residual.h  The residual of impulses as they are, for files of problems: over all contacts, those that
-/// nothing moves too, and in twice the digits of a double (Dekker 1971). Impulses that run off along a ray are so large
-/// that W r + q in doubles loses q, and a residual of 0 comes out where nothing is solved.
+/// @file true_residual.h  Residual of impulses for problem files: over all contacts, also those of fixed bodies, in
+/// double-double arithmetic (Dekker 1971). In double precision, W r + q of diverged impulses loses q, and the residual
+/// would wrongly be 0.
 #pragma once
 #include "laws/nonsmooth/cone_problem.h"
 
 namespace epafi {
 
 struct TrueResidual {
-  double value = 0.0;             ///< as ConeProblem::residual; NaN where impulses or velocities are no finite numbers
+  double value = 0.0;             ///< as ConeProblem::residual; NaN if impulses or velocities are not finite
   double penetration_rate = 0.0;  ///< max(-u_N) / max|q|
 };
 

@@ -114,7 +114,7 @@ bool WarmStart::same() const {
                          [&](std::size_t i) { return static_cast<char>(previous_[i] != i || !by_name_[i]); }) == 0;
 }
 
-double WarmStart::foreseen(std::size_t i) const {
+double WarmStart::predicted_gap(std::size_t i) const {
   const std::uint32_t k = previous_[i];
   return k == unmatched || !by_name_[i] || impulse_[k].isZero(0.0) ? -infinity : gap_[k];
 }

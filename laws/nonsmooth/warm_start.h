@@ -1,7 +1,7 @@
 /// @file warm_start.h  Impulses of the last step as the start of this one.
-/// A contact is found again by its key (bodies, feature). Where clipping named a point otherwise (coincident edges of
-/// aligned faces do that at every tremor) the nearest nameless point of the same pair of bodies takes the impulse: an
-/// aligned stack of ten boxes drifts 0.4 mm in ten seconds with it, 1.7 mm without.
+/// A contact is matched by its key (bodies, feature). If clipping changed the name of a point (coincident edges of
+/// aligned faces do so under rounding), the nearest unmatched point of the same pair provides the impulse: an aligned
+/// stack of ten boxes drifts 0.4 mm in ten seconds with this rule, 1.7 mm without.
 #pragma once
 #include <optional>
 
@@ -13,14 +13,14 @@ class WarmStart {
  public:
   /// r[i] = remembered impulse of contact i in its frame, 0 where there is none; projected on its cone.
   void recall(const World& world, const ContactSet& contacts, const ContactProblem& problem, Impulses& r);
-  /// The recalled list holds the contacts of the last step, by name and in their order.
+  /// True if the recalled list has the same contacts in the same order as the last step.
   bool same() const;
-  /// Contact i of the recalled list in the last step: the gap foreseen for now [m] and the slip velocity it ended with
-  /// (B against A, world axes). -infinity and nothing where there was none or where it carried no impulse.
-  double foreseen(std::size_t i) const;
+  /// Data of contact i from the last step: the gap predicted for now [m], and the final slip velocity (B against A,
+  /// world axes) [m/s]. -infinity and none for a contact that is new or had no impulse.
+  double predicted_gap(std::size_t i) const;
   std::optional<Vec3> slip(std::size_t i) const;
-  /// Remembers the impulses of these contacts, the gaps they are to have at the next detection and, of the velocities u
-  /// they ended with, the slip.
+  /// Stores the impulses of these contacts, the gaps predicted for the next detection [m], and the slip of the final
+  /// relative velocities u.
   void remember(const World& world, const ContactSet& contacts, const ContactProblem& problem, const Impulses& r,
                 std::span<const double> next_gap, const std::vector<Vec3>& u);
   void reorder(const Reordering& change);
@@ -38,7 +38,7 @@ class WarmStart {
   UnwrittenStream<Feature> feature_;
   std::vector<Vec3> arm_;        ///< from A's centre, in A's axes [m]
   std::vector<Vec3> impulse_;    ///< on B, world axes [N s]
-  UnwrittenStream<double> gap_;  ///< foreseen [m]
+  UnwrittenStream<double> gap_;  ///< predicted [m]
   std::vector<Vec3> slip_;       ///< world axes [m/s]
 
   UnwrittenStream<std::uint32_t> runs_;      ///< of one pair each: the first contact

@@ -1,7 +1,7 @@
 /// @file adhesion.h  Adhesive elastic spheres: DMT (Derjaguin, Muller and Toporov 1975) for small stiff ones, JKR
-/// (Johnson, Kendall and Roberts 1971) for large soft ones. Both lose their grip at a force, DMT 2 pi w R*, JKR
-/// 3/2 pi w R*; friction slides at mu (N + that force). Damping as in hertz: `restitution` is that of an impact so fast
-/// that adhesion does not count; slow ones return less, and below a speed they stick.
+/// (Johnson, Kendall and Roberts 1971) for large soft ones. Pull-off force: DMT 2 pi w R*, JKR 3/2 pi w R*; friction
+/// slides at mu (N + that force). Damping as in hertz: `restitution` holds for impacts so fast that adhesion is
+/// negligible; slower ones rebound less, and below a speed bodies stick.
 #pragma once
 #include "laws/lane_choice.h"
 #include "laws/smooth/hertz.h"
@@ -27,8 +27,8 @@ inline Missing missing_adhesion(const MaterialPair& pair) {
   return out;
 }
 
-/// N = Hertz with its damping - 2 pi w R*, while the bodies overlap. Conservative without damping: the way out is the
-/// way in.
+/// N = Hertz with its damping - 2 pi w R*, while the bodies overlap. Conservative without damping, since loading and
+/// unloading have the same force.
 struct Dmt {
   static constexpr const char* name = "dmt";
   static constexpr Needs needs{.curvature = true};
@@ -60,8 +60,8 @@ struct Dmt {
 static_assert(LaneLaw<Dmt>);
 
 /// With a the contact radius: delta = a^2/R* - sqrt(2 pi w a/E*), N = 4/3 E* a^3/R* - sqrt(8 pi w E* a^3). The contact
-/// snaps in at delta = 0 and holds on to delta = -3/4 (pi^2 w^2 R*/E*^2)^(1/3), where it breaks; what the bodies do not
-/// get back is lost to adhesion.
+/// forms at delta = 0 and breaks at delta = -3/4 (pi^2 w^2 R*/E*^2)^(1/3); the difference of energy is lost to
+/// adhesion.
 struct Jkr {
   static constexpr const char* name = "jkr";
   static constexpr Needs needs{.memory = true, .curvature = true};
@@ -78,7 +78,7 @@ struct Jkr {
   using State = StateOf<double>;
 
   static Entry entry() {
-    return adhesion_entry(name, "adhesive spheres that hold on beyond touch", needs,
+    return adhesion_entry(name, "adhesive spheres in contact until pull-off", needs,
                           "Johnson, Kendall and Roberts 1971");
   }
   static Missing missing(const MaterialPair& pair) { return missing_adhesion(pair); }
@@ -88,7 +88,7 @@ struct Jkr {
   }
   static bool is_damped(const Parameters& p) { return p.damping > 0.0; }
   static bool holds(const State& s) { return s.root > 0.0; }
-  /// How far beyond touch a contact holds [m].
+  /// Gap up to which a contact holds [m].
   static double reach(const Parameters& p, double radius) {
     const double third = std::cbrt(9.869604401089358 * p.work * p.work * radius / (p.modulus * p.modulus));
     return 0.75 * third;

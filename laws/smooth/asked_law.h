@@ -13,7 +13,7 @@ struct AskedLaw {
   NormalResponse respond(const ContactKinematics& at, double before, double& now) const {
     return evaluation.one(numbers.data(), at, &before, &now, nullptr);
   }
-  /// Of a new contact.
+  /// Response of a new contact.
   NormalResponse first(const ContactKinematics& at) const {
     double now = 0.0;
     return respond(at, 0.0, now);

@@ -38,11 +38,11 @@ inline constexpr double least_restitution = [] {
     return minimum_restitution;
 }();
 
-/// Whether the three parts make a law.
+/// True where the three parts make a law.
 template <NormalLaw N, TangentialLaw T, RollingLaw R>
 inline constexpr bool parts_fit = T::template fits<N> && (T::is_present || !R::is_present);
 
-/// Whether `restitution` sets the damper; where not, the law asks for a parameter of its own.
+/// True where `restitution` sets the damper; otherwise the law has its own parameter.
 template <NormalLaw N>
 inline constexpr bool uses_restitution = [] {
   if constexpr (requires { N::uses_restitution; })

@@ -1,12 +1,11 @@
 /// @file contact_edge.h  Locates the start and the end of a contact within the time step, for forces that are powers.
 /// A contact that begins between two steps is first seen at an overlap delta = theta h, h = |v| dt, 0 < theta < 1.
-/// Sampling N = c delta^p from there misses or adds to the true impulse by -c h^p dt zeta(-p, theta) (Navot 1961: the
-/// sum of a power from an end point inside the first interval), an error of random sign that velocity Verlet never
-/// makes good. Weighing that one sample by g_p(theta) = -zeta(-p, 1 + theta) instead of theta^p removes it; p = 0, the
-/// jump of a dashpot, gets the share 1/2 + theta of the step that lies in the contact. The end of an elastic contact is
-/// the mirror image; a damped one ends where its force has fallen to 0, nearly linearly in time. One evaluation per
-/// step as before. RMS energy error of an elastic Hertz impact over all phases: 8x below Verlet's at 10 steps, 16x at
-/// 20, 600x at 50.
+/// The sum of N = c delta^p over the steps then differs from the true impulse by -c h^p dt zeta(-p, theta) (Navot 1961:
+/// sum of a power with an end point inside the first interval), an error of random sign that later steps do not cancel.
+/// Weighting this sample by g_p(theta) = -zeta(-p, 1 + theta) instead of theta^p removes it; p = 0, the jump of a
+/// dashpot, has the weight 1/2 + theta, the part of the step in contact. The end of an elastic contact is symmetric; a
+/// damped one ends where its force reaches 0, nearly linearly in time. There is one evaluation per step, as without it.
+/// RMS energy error of an elastic Hertz impact over all phases: 8x below Verlet's at 10 steps, 16x at 20, 600x at 50.
 #pragma once
 #include <cmath>
 

@@ -18,14 +18,14 @@ std::vector<typename L::Parameters> parameters_of_pairs(const MaterialTable& tab
   return out;
 }
 
-/// How far beyond touch a contact of the law may hold [m].
+/// Largest gap of a contact of the law (adhesion) [m].
 template <NormalLaw N>
 double reach_of(const typename N::Parameters& p, double radius) {
   if constexpr (requires { N::reach(p, radius); }) return N::reach(p, radius);
   return 0.0;
 }
 
-/// An overlap below 0 is that of a contact that holds on beyond touch, by a law that can.
+/// A negative overlap is that of an adhesive contact beyond touch.
 NormalSlopes slopes_of(const AskedLaw& law, ContactKinematics at) {
   constexpr double little = 1e-4;  // of the scale: digits enough for a slope, near enough for a power law
   const double overlap = at.overlap, size = std::abs(overlap);
@@ -42,7 +42,7 @@ NormalSlopes slopes_of(const AskedLaw& law, ContactKinematics at) {
   NormalSlopes out;
   out.of_law = still.stiffness;
   out.force = std::max(0.0, still.force);
-  // an adhesive contact pulls at no overlap at all: a ten thousandth of that would be lost in the digits of its force
+  // adhesion acts at zero overlap: a smaller difference would be lost in rounding of the force
   const double by_force = std::abs(still.elastic_force) / std::max(still.stiffness, 1e-300);
   const double scale = overlap < 0.0 ? size : std::max(size, by_force);
   if (law.remembers) {
@@ -53,7 +53,7 @@ NormalSlopes slopes_of(const AskedLaw& law, ContactKinematics at) {
   } else {
     out.stiffness = std::max(0.0, still.stiffness);
   }
-  // so fast that the force doubles with a dashpot of the critical kind: forces of all laws are linear in it
+  // so fast that a critical dashpot doubles the force: forces of all laws are linear in the velocity
   at.approach_velocity = scale * std::sqrt(std::max(still.stiffness, 1e-300) / at.effective_mass);
   const NormalResponse moving = law.respond(at, loaded, next);
   if (at.approach_velocity > 0.0) out.dashpot = std::max(0.0, moving.force - still.force) / at.approach_velocity;
@@ -75,7 +75,7 @@ double rolling_mobility_of(const World& world, Slot s, const Vec3& arm) {
 template <RollingLaw R>
 double rolling_weight(const typename R::Parameters& p, const RollingStep& step) {
   if constexpr (requires { p.type; }) {
-    if (p.type == AnyRolling::Type::constant) return 0.0;  // limits itself to what stops the spin
+    if (p.type == AnyRolling::Type::constant) return 0.0;  // the law limits it to what stops the spin
     return damped_weight(R::stiffness(p, step), R::damping(p, step), 1.0 / step.inertia, step.dt);
   } else {
     return 0.0;

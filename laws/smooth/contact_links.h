@@ -12,11 +12,11 @@
 
 namespace epafi {
 
-/// Of one contact along its normal.
+/// Slopes of the normal force of one contact.
 struct NormalSlopes {
   double stiffness = 0.0;  ///< dN/d(delta) [N/m], >= 0
   double dashpot = 0.0;    ///< dN/d(delta_dot) [N s/m], >= 0
-  double of_law = 0.0;     ///< what friction and rolling take for k_n [N/m]
+  double of_law = 0.0;     ///< k_n for friction and rolling [N/m]
   double force = 0.0;      ///< N at rest [N]
 };
 
@@ -24,8 +24,8 @@ class ContactLinks {
  public:
   /// The set-up must pass check_smooth.
   explicit ContactLinks(const SmoothSetup& setup);
-  /// Those of contacts [begin, end) that overlap, for a step of dt [s]; and of those that a law with adhesion may hold
-  /// beyond touch, as if it did: whether they have touched is in the memory of the contact model.
+  /// Appends links of contacts [begin, end) that overlap, for a step of dt [s]. Separated contacts that a law with
+  /// adhesion may hold count as held, since only the contact model knows whether they have touched.
   void append(const World& world, const ContactSet& contacts, std::size_t begin, std::size_t end, double dt,
               std::vector<StiffLink>& links) const;
   /// A link between bodies of materials i and j by overlap, radius, mass and area of `at`; mobilities: of slip, 1/m +

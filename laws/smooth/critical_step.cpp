@@ -84,8 +84,8 @@ Slopes slopes_at(const AskedLaw& law, const ExpectedContact& c, double overlap) 
   return {still.stiffness, (moving.force - still.force) / c.speed};
 }
 
-/// The normal dashpot that limits the step as that of the friction spring does on a solid sphere, which gives way
-/// sideways with 7/2 of its mobility [N s/m].
+/// Normal dashpot with the same step limit as that of the friction spring on a solid sphere, whose tangential mobility
+/// is 7/2 of the normal one [N s/m].
 template <TangentialLaw T>
 double tangential_dashpot(const MaterialPair& pair, double normal_stiffness, double effective_mass) {
   [[maybe_unused]] const auto p = T::parameters(pair);
@@ -124,8 +124,8 @@ StepLimit critical_step(const SmoothSetup& setup, const MaterialPair& pair, cons
   out.impact = integrate_impact(law, c, elastic_contact_time(law, c) / 4000);
   const Slopes slope = slopes_at(law, c, out.impact.largest_overlap);
   const double sideways = tangential_dashpot(parts.tangential, pair, slope.stiffness, c.effective_mass);
-  // An overlap seen first at theta h, h = v dt, costs k h^2/12 on the mean beyond what the contact stores, and the last
-  // one gives k h^2/12 back, of a lower speed: over many impacts (pi dt/t_c)^2/6 of all that is lost, 1.6 %.
+  // A contact first sampled at overlap theta h, h = v dt, loses k h^2/12 on average beyond its stored energy, and the
+  // last sample gains k h^2/12 at a lower speed: over many impacts (pi dt/t_c)^2/6 of all losses, 1.6 %.
   const double by_time = c.part * out.impact.contact_time;
   // an explicit damper of c overshoots beyond m*/c: half of it; e = 0.01 (c = 9.4 sqrt(m* k)) then takes 60 steps per
   // contact

@@ -1,5 +1,5 @@
-/// @file critical_step.h  How large a time step resolves the shortest impact, and why (case B02: velocity Verlet errs
-/// by 2.6e-3 in the restitution at 10 steps per Hertz contact, 4.3e-4 at 20). What step is stable:
+/// @file critical_step.h  The time step that resolves the shortest impact, with the reason (case B02: velocity Verlet
+/// has errors of 2.6e-3 in the restitution at 10 steps per Hertz contact, 4.3e-4 at 20). Stability:
 /// scenes/step_estimate.h.
 #pragma once
 #include <string>
@@ -10,8 +10,8 @@ namespace epafi {
 
 /// Part of the contact time that `time_step = "auto"` takes.
 inline constexpr double auto_step_part = 0.1;
-/// Against a servo wall: it goes on to strike until all its work but what contacts store is lost, of which the ledger
-/// then misses (pi/20)^2/6 = 0.4 % (critical_step.cpp); with the other errors of a column at that step up to 1 %.
+/// The same for contacts of a servo wall, which rebounds until all its work is dissipated or stored: the ledger's error
+/// of it is (pi/20)^2/6 = 0.4 % (critical_step.cpp), with other errors of a column at that step up to 1 %.
 inline constexpr double pressed_step_part = 0.05;
 
 /// The hardest contact a pair of materials is expected to see.
@@ -19,7 +19,7 @@ struct ExpectedContact {
   double effective_mass = 0.0;    ///< m* [kg], of the lightest bodies
   double effective_radius = 0.0;  ///< R* [m], of the smallest bodies; unused by the linear law
   double speed = 0.0;             ///< impact speed [m/s], > 0 where the law is Hertzian
-  double moved_mass = 0.0;        ///< with which both give way where that is not the law's m*: servo walls [kg]
+  double moved_mass = 0.0;        ///< effective mass if it differs from the law's m*: servo walls [kg]
   double part = auto_step_part;   ///< of the contact time
 };
 
@@ -46,7 +46,7 @@ double fall_speed(double gravity, double height);
 /// Integrates one impact of the pair by the law of the set-up (Runge-Kutta 4, 4000 steps of the elastic contact time).
 ImpactEstimate estimate_impact(const SmoothSetup& setup, const MaterialPair& pair, const ExpectedContact& contact);
 
-/// Of one pair of materials; the caller takes the smallest over its pairs. The set-up must pass
+/// Time step for one pair of materials; the caller takes the smallest over its pairs. The set-up must pass
 /// check_smooth.
 StepLimit critical_step(const SmoothSetup& setup, const MaterialPair& pair, const ExpectedContact& contact);
 

@@ -1,12 +1,14 @@
-/// @file damper.h  The force of a dashpot c beside a spring k at the end of a step of velocity Verlet, from velocities
-/// known before the force is. With the velocity predicted by the last force, v_late, one contact of m* is stable while
-/// k dt^2/m* + 4 c dt/m* < 4; here the contact's own change of force during the step counts in the velocity:
+/// @file damper.h  Force of a dashpot c beside a spring k at the end of a step of velocity Verlet, from velocities
+/// known before the force is. With v_late, the velocity predicted from the last force, a contact of effective mass m*
+/// is stable for k dt^2/m* + 4 c dt/m* < 4. Here the velocity also contains the contact's own change of force in the
+/// step:
 ///   D = c (v_late - dt/(2 m*) (k dt v_middle + f (D - c v_first))),
-/// v_first = 2 v_middle - v_late the velocity at the step's start, where c v_first was its force. For f = 1 that is the
-/// velocity solved in the contact. f = 3 stands for the other contacts that slow the same bodies: D - c v_first is of
-/// first order in dt and so is what stands before it, so that every f is of second order. Root -1 of n such contacts on
-/// one body: n (dt^2/4 k + dt c (1 - dt^2 k/(4 m*))/(1 + f c dt/(2 m*))) = m (damped_weight). Steps of 2 to 8 contacts
-/// at e = 0.4: 1.5 to 1.3 times those with v_late, at e = 0.11: 2.3 to 1.6; the restitution errs less (docs/laws.md).
+/// with v_first = 2 v_middle - v_late, the velocity at the start of the step, and c v_first the force there. f = 1 is
+/// the implicit solution of the contact alone; f = 3 accounts for other contacts that slow the same bodies. Every f is
+/// of second order, because D - c v_first and its factor are of first order in dt. Stability limit (amplification
+/// factor -1) of n such contacts on one body: n (dt^2/4 k + dt c (1 - dt^2 k/(4 m*))/(1 + f c dt/(2 m*))) = m
+/// (damped_weight). Stable steps with 2 to 8 contacts: 1.5 to 1.3 times those with v_late at e = 0.4, 2.3 to 1.6 times
+/// at e = 0.11; the error of the restitution is smaller too (docs/laws.md).
 #pragma once
 #include <algorithm>
 
@@ -17,15 +19,15 @@ namespace epafi {
 
 inline constexpr double damper_share = 3.0;  ///< f
 
-/// Velocities against which a dashpot works, and how a force changes them within half a step.
+/// Step and mobility: how a force changes the velocity of a dashpot within half a step.
 template <class Real>
 struct DamperStep {
   double dt = 0.0;       ///< [s]
-  Real half_mobility{};  ///< dt/(2 m*) [s/kg], of rolling dt/(2 I); 0: the dashpot sees v_late
+  Real half_mobility{};  ///< dt/(2 m*) [s/kg], of rolling dt/(2 I); 0: D = c v_late
 };
 
-/// D [N], positive along the velocities, numbers or vectors: v_late predicted by the last force, v_middle in the middle
-/// of the step [m/s].
+/// D [N], positive along the velocities (numbers or vectors). v_late: predicted from the last force; v_middle: in the
+/// middle of the step [m/s].
 template <class Real, class Velocity>
 EPAFI_LANES Velocity damper_force(const DamperStep<Real>& step, const Real& dashpot, const Real& stiffness,
                                   const Velocity& v_late, const Velocity& v_middle) {
@@ -64,8 +66,9 @@ struct DashpotBefore {
   Real part{}, whole{};
 };
 
-/// Of c ~ overlap^q, `moved` = dt v_middle ago: (1 - moved/overlap)^q by Pade's quotient [1/1]: more terms cost 3 % of
-/// a step. q > 1: the quotient has a pole where the overlap was five times as deep, which `whole` keeps away from.
+/// The same for c ~ overlap^q, with moved = dt v_middle: (1 - moved/overlap)^q by the Pade approximant [1/1] (more
+/// terms cost 3 % of a step). For q > 1 it has a pole where the overlap was five times as large; the bound of `whole`
+/// avoids it.
 template <class Real>
 EPAFI_LANES DashpotBefore<Real> dashpot_before(const Real& overlap, const Real& moved, const Real& growth) {
   const Real half = 0.5 * moved, turned = growth * half;
@@ -73,22 +76,21 @@ EPAFI_LANES DashpotBefore<Real> dashpot_before(const Real& overlap, const Real& 
   return {select(overlap > moved, part, Real{}), whole};
 }
 
-/// Of a contact now, for the balance of energy.
+/// A contact now, for the energy balance.
 template <class Real>
 struct DampedContact {
-  Real elastic{};    ///< what its spring pushes with, and adhesion could pull [N]: no dashpot pulls with more
+  Real elastic{};    ///< elastic force plus adhesion [N]: the limit of a pulling dashpot
   Real stiffness{};  ///< [N/m]
   Real dashpot{};    ///< [N s/m]
   DashpotBefore<Real> before{};
 };
 
-/// What a dashpot that pushes with D loses [W], such that the trapezoid of its steps is the work of D on the way that
-/// the bodies go. Sum of D_n v_n, v_n = v_middle + dt/2 a_n the velocity that step n ends with: a_n, of all contacts,
-/// is known in the next step alone, where it is (v_late - v_middle) 2/dt. So each step tells D v_middle and what the
-/// force before it still owes, D_before dt/2 a. D_before is found anew from the velocities of its step, with the
-/// dashpot of then. Contacts do not pull, so that it is at least the spring's force then. It errs by the third order in
-/// dt. Told with the velocity that the last acceleration predicts, a column of four under a load was open by 5e-3, a
-/// lone impact at e = 0.1 by 4e-2.
+/// Power lost by a dashpot with force D [W], such that its trapezoidal sum over steps is the work of D along the
+/// bodies' motion: the sum of D_n v_n with v_n = v_middle + dt/2 a_n, the velocity at the end of step n. The
+/// acceleration a_n, of all contacts, is known only in the next step, as (v_late - v_middle) 2/dt. So each step returns
+/// D v_middle and, for the previous force, D_before dt/2 a. D_before is recomputed from the velocities and the dashpot
+/// of its step, limited because contacts do not pull. Its error is of third order in dt. With the predicted velocity
+/// instead, energy errors would be 5e-3 for a loaded column of four and 4e-2 for a single impact at e = 0.1.
 template <class Real>
 EPAFI_LANES Real dashpot_power(const DamperStep<Real>& step, const Real& push, const Real& v_late, const Real& v_middle,
                                const DampedContact<Real>& now) {
@@ -102,14 +104,15 @@ EPAFI_LANES Real dashpot_power(const DamperStep<Real>& step, const Real& push, c
   return push * v_middle + push_before * gained;
 }
 
-/// dt^2/4 k and what the dashpot adds to it where the contact's force alternates from step to step [kg]: a body is
-/// stable while the sum of its contacts stays below its mass. mobility: 1/m* [1/kg].
+/// dt^2/4 k plus the dashpot's part for a force that alternates from step to step [kg]. A body is stable while the sum
+/// over its contacts is below its mass. mobility: 1/m* [1/kg].
 inline double damped_weight(double stiffness, double dashpot, double mobility, double dt) {
   const double spring = 0.25 * dt * dt * stiffness, damper = dt * damper_in_step(0.5 * dt * mobility, dashpot, 0.0);
   return spring + damper * std::max(0.0, 1.0 - spring * mobility) / (1.0 + 0.5 * damper_share * damper * mobility);
 }
 
-/// Of a contact alone, whose other root decides: to 10 % on the safe side, from e = 0.4 to overdamped.
+/// The same for a single contact, for which another root is critical; up to 10 % on the safe side, from e = 0.4 to
+/// overdamped.
 inline double lone_damped_weight(double stiffness, double dashpot, double mobility, double dt) {
   const double damper = damper_in_step(0.5 * dt * mobility, dashpot, 0.0);
   const double other = 0.25 * dt * dt * stiffness + dt * damper / damper_share;

@@ -72,7 +72,7 @@ struct HuntCrossleyFamily : HuntCrossley {
   static Parameters parameters(const MaterialPair& pair) {
     return parameters_of(pair, Member::factor(pair.restitution));
   }
-  /// What comes out where the scene asks for e.
+  /// Resulting coefficient of restitution for a requested e.
   static double restitution(double e) { return hunt_crossley_restitution(Member::factor(e)); }
 };
 

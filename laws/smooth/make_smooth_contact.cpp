@@ -30,7 +30,7 @@ constexpr NamedLaw named_laws[] = {
     {"walton-braun", "plastic loading, stiff unloading; friction by a spring in fixed ratio", "walton-braun",
      "coulomb-spring"},
     {"dmt", "Hertz with constant attraction in contact; friction by Mindlin's spring", "dmt", "mindlin"},
-    {"jkr", "adhesive spheres that hold on beyond touch; friction by Mindlin's spring", "jkr", "mindlin"},
+    {"jkr", "adhesive spheres in contact until pull-off; friction by Mindlin's spring", "jkr", "mindlin"},
     {"overlap-volume", "elastic layer of the overlap volume of polyhedra; friction by a spring in fixed ratio",
      "overlap-volume", "coulomb-spring"},
 };
@@ -96,7 +96,7 @@ void check_missing(const List& list, const std::string& name, const MaterialPair
   }
 }
 
-/// Warns where the restitution that comes out is not the one asked for.
+/// Warns if the restitution differs from the key.
 template <class N>
 void check_restitution(const std::string& law, const MaterialPair& pair, std::vector<Problem>& out) {
   const std::string where = "contact " + pair.a.name + "-" + pair.b.name;

@@ -10,8 +10,8 @@
 
 namespace epafi {
 
-/// What a scene says of smooth contact. Empty names take the default of the law; friction 0 everywhere takes no
-/// tangential part and rolling friction 0 everywhere no rolling part, whatever the names.
+/// Smooth contact as set in a scene. Empty names take the default of the law; friction 0 everywhere takes no tangential
+/// part and rolling friction 0 everywhere no rolling part, whatever the names.
 struct SmoothSetup {
   std::string law;         ///< of all_smooth_laws()
   std::string tangential;  ///< of all_tangential_laws(), or empty

@@ -25,7 +25,7 @@ class RecordMemory {
     for (const std::uint32_t i : turned_) exchange(row(old_, previous_[i]));
     now_.resize(size_ * contacts.size());
   }
-  /// Of contact i in the last step.
+  /// Record of contact i in the last step; the initial one for a new contact.
   const double* before(std::size_t i) const {
     return previous_[i] == ContactMemory::none ? fresh_.data() : old_.data() + size_ * previous_[i];
   }

@@ -1,7 +1,6 @@
-/// @file restitution.h  From the restitution a scene asks for to the damping that gives exactly it, set up once per
-/// material pair. The contact never pulls: it ends where the force has fallen to zero, while the bodies still overlap.
-/// The textbook zeta = -ln e / sqrt(pi^2 + ln^2 e) ends at zero overlap instead and returns 0.55 for 0.5 (Schwager and
-/// Poeschel 2007).
+/// @file restitution.h  The damping that gives exactly the restitution of a scene, computed once per material pair. The
+/// contact never pulls: it ends when the force is zero, while the bodies still overlap. The textbook formula zeta = -ln
+/// e / sqrt(pi^2 + ln^2 e) ends at zero overlap instead, and gives 0.55 for 0.5 (Schwager and Poeschel 2007).
 #pragma once
 
 namespace epafi {

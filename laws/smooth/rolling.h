@@ -1,7 +1,7 @@
 /// @file rolling.h  Rolling parts: none, and types A, B and C of Ai et al. 2011.
-/// A is a moment of fixed size against rolling, B a viscous one, C the elastic-plastic spring with dashpot. Only C
-/// holds a body at rest without creep. The limit of C holds for spring and dashpot together: with the dashpot outside
-/// it, as published, a rolling sphere that touches down gets a moment of 60 to 260 times the limit for a step.
+/// A is a constant moment against rolling, B a viscous one, C an elastic-plastic spring with dashpot. Only C holds a
+/// body at rest without creep. The limit of C applies to spring and dashpot together: with the dashpot outside it, as
+/// published, a rolling sphere that touches down has a moment of 60 to 260 times the limit for a step.
 #pragma once
 #include "laws/contact_law.h"
 
@@ -23,7 +23,7 @@ struct NoRolling {
 };
 static_assert(RollingLaw<NoRolling>);
 
-/// The three types in one loop; which one is a number of the pair, asked once per contact.
+/// The three types in one loop; the type is a parameter.
 struct AnyRolling {
   static constexpr const char* name = "any";
   static constexpr Needs needs{.rotation = true, .memory = true, .curvature = true, .contact_moment = true};
@@ -58,10 +58,11 @@ struct AnyRolling {
   EPAFI_LANES static Real damping(const ParametersOf<Real>& p, const RollingStepOf<Real>& s) {
     const Real moment = p.friction * s.radius * s.normal_force;
     switch (p.type) {
-      // A moment that would turn the spin round within the step only slows it. It is chosen by a spin half a step
-      // ahead, so that those of all contacts of a sphere must stay below its spin momentum over the step (roots of
-      // w' = w + dt M'/I, M' = -g I/dt (w + dt M/(2 I)): -1 at g = 1); ten neighbours that turn against it, or twenty
-      // that stand. By the inertia about the contact, 3.5 times as large, moments of packings at rest alternated.
+      // The moment is limited so that it cannot reverse the spin within the step. It depends on the spin half a step
+      // ahead, so the sum over all contacts of a sphere must stay below its angular momentum over the step (w' = w + dt
+      // M'/I, M' = -g I/dt (w + dt M/(2 I)) has the root -1 at g = 1): enough for ten neighbours that rotate against
+      // it, or twenty at rest. With the inertia about the contact, 3.5 times as large, moments of packings at rest
+      // would alternate.
       case Type::constant: {
         const auto turns = s.spin > Real{};
         const Real stop = s.dt > 0.0 ? 0.1 * s.spin_inertia / s.dt : Real{} + infinity;

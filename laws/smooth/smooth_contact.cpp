@@ -106,7 +106,7 @@ void SmoothContact::act(World& world, ContactSet& contacts, const StepClock& clo
   else
     gather_forces(contacts, incidence_, world);
   record(sums, contacts, clock.dt, report);
-  if (world.cell) {                          // the forces before the strain and after it act on its way
+  if (world.cell) {                          // the forces before and after the strain act along it
     const Vec3 before = world.cell->virial;  // of all contacts, those of spheres in their own loop too
     world.cell->virial = contact_virial(world, contacts);
     report.work += 0.5 * clock.dt * (before + world.cell->virial).dot(world.cell->strain_rate);
@@ -146,7 +146,7 @@ SmoothSums SmoothContact::run(const Call& call) {
   return sums;
 }
 
-/// Another process counts it.
+/// True if another process counts the contact.
 [[gnu::noinline]] void SmoothContact::evaluate_uncounted(const Call& call, std::size_t i) {
   SmoothSums sums;
   evaluate(call, i, sums);
@@ -318,7 +318,7 @@ void SmoothContact::record(const SmoothSums& now, const ContactSet& contacts, do
     lost.frictional = now.spring_work - (now.spring_energy - before_.spring_energy);
     if (!law_.holds) lost.plastic = now.lost;
   }
-  if (law_.holds) lost.adhesive = now.lost;  // bodies that touch at the start meet there
+  if (law_.holds) lost.adhesive = now.lost;  // bodies in contact at the start begin to adhere there
   report.dissipated = lost.viscous + lost.frictional + lost.plastic + lost.adhesive;
   report.has_solver = false;
   before_ = now;

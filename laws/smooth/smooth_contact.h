@@ -1,6 +1,6 @@
 /// @file smooth_contact.h  The loop of smooth contact: forces of all contacts by the parts of one law, then sums by
-/// body. Dampers see velocities at the time of the detection (StepClock::velocity_lag), predicted with the stored
-/// acceleration; springs see the displacement over the step, velocity of its middle times dt. Both are second order
+/// body. Dampers use velocities at the time of the detection (StepClock::velocity_lag), predicted with the stored
+/// acceleration; springs use the displacement over the step, the velocity in its middle times dt. Both are second order
 /// with velocity Verlet.
 ///
 /// Energies (StepReport): viscous losses and work of driven bodies by the trapezoid of their power; losses of springs
@@ -29,7 +29,7 @@ struct SmoothSums {
 /// Change of the velocities between the middle of the step and the detection, by slot.
 struct VelocityChange {
   std::vector<Vec3> linear, angular;
-  /// time: lag dt, by which the stored acceleration is taken; 0: not needed.
+  /// time: lag dt [s], which multiplies the stored acceleration; 0: not needed.
   void predict(const World& world, double time);
   /// Only of the bodies that have contacts, which are found here.
   void predict(const World& world, const ContactSet& contacts, TouchedBodies& touched, double time);
@@ -71,11 +71,11 @@ class SmoothContact final : public ContactModel {
     Vec3 branch;           ///< from the centre of A to that of B [m]
     Vec3 arm_b;            ///< where the world rotates [m]
     Vec3 slip_velocity;    ///< of B against A at the contact, middle of the step, normal part taken out [m/s]
-    const double* before;  ///< what is remembered of it
+    const double* before;  ///< its history
     double* now;
     double radius;     ///< R* [m]
     double stiffness;  ///< k_n [N/m]
-    double grip;       ///< what friction and rolling slide at, over their coefficients [N]
+    double grip;       ///< N + adhesion [N]: limit of friction and rolling over their coefficients
   };
 
   SmoothSums run(const Call& call);

@@ -1,7 +1,7 @@
-/// @file smooth_law.h  The law of a set-up as the loops over contacts take it: numbers by pair of materials, and its
-/// parts as functions, found once from their names or types. The loop over spheres calls a part once for a tile of
-/// contacts, the loop over all others (laws/smooth/smooth_contact.h) once for a contact: parts add up and do not
-/// multiply.
+/// @file smooth_law.h  The law of a scene as the loops over contacts use it: parameters by pair of materials, and a
+/// function for each part, resolved once from names or types. The loop over spheres calls a part once per tile of
+/// contacts, the loop over all others (laws/smooth/smooth_contact.h) once per contact, so code size is the sum of the
+/// parts, not the product.
 #pragma once
 #include <vector>
 
@@ -23,7 +23,7 @@ struct alignas(32) PairRow {  // an aligned load of a part; GCC takes 16 for a v
   Lanes normal{}, tangential{}, rolling{};
 };
 
-/// How a normal law is evaluated: contacts of a tile, and one of them.
+/// Functions of a normal law: for the contacts of a tile, and for one contact.
 struct NormalEvaluation {
   void (*tile)(const NormalCall&) = nullptr;  ///< null: there are no tiles of this law
   /// numbers: of the pair; before, now: what the law remembers; dt: where start and end of contacts are located.
@@ -34,7 +34,7 @@ struct NormalEvaluation {
 template <class Law>
 NormalEvaluation normal_evaluation();
 
-/// How friction is evaluated, one contact at a time; numbers: PairRow::tangential.
+/// Functions of a friction law for one contact; numbers: PairRow::tangential.
 struct FrictionEvaluation {
   FrictionResponse (*pull)(const Lanes& numbers, const SlipStep&, const double* before, double* now) = nullptr;
   void (*exchange)(double* memory) = nullptr;  ///< bodies A and B
@@ -56,7 +56,7 @@ struct SmoothLaw {
   std::uint32_t materials = 1;
   bool damped = false;  ///< velocities at the time of the detection are wanted
   SphereNeeds needs;
-  Needs contact;  ///< what the parts need to know of a contact
+  Needs contact;  ///< data of a contact that the parts need
   bool rolls = false;
   AnyRolling::Type rolling = AnyRolling::Type::spring;
   bool locates = false;
@@ -66,7 +66,7 @@ struct SmoothLaw {
   Passes passes() const;
 };
 
-/// What keeps a set-up from tiles of spheres; empty: nothing.
+/// Reason why a set-up cannot use tiles of spheres; empty: it can.
 std::string without_tiles(const SmoothSetup& setup);
 SmoothLaw smooth_law(const SmoothSetup& setup);
 
@@ -74,7 +74,7 @@ template <class Law>
 inline constexpr bool fits_tiles = sizeof(typename Law::Parameters) <= sizeof(Lanes) && !Law::needs.area &&
                                    (!RemembersNormal<Law> || sizeof(NormalState<Law>) == sizeof(double));
 
-/// Of one contact.
+/// Response of one contact.
 template <class Law>
 NormalResponse respond_to(const double* numbers, const ContactKinematics& c, const double* before, double* now,
                           const double* dt_if_located) {

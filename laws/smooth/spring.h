@@ -9,7 +9,7 @@
 
 namespace epafi {
 
-/// What is remembered of a contact: 32 bytes.
+/// History of a contact: 32 bytes.
 struct Spring {
   Vec3 load = Vec3::Zero();  ///< on A: T [N] or M [N m], in the contact plane
   double stiffness = 0.0;    ///< [N/m] or [N m/rad]

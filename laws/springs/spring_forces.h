@@ -27,7 +27,7 @@ struct SpringElement {
   Vec3 preload = Vec3::Zero();     ///< force on the body as the scene starts, same axes [N]
 };
 
-/// Along the body's whole path: where it is put back into a periodic cell, it pulls as before.
+/// Uses the body's unwrapped path, so wrapping into a periodic cell does not change the force.
 inline Pose unwrapped_pose(const World& world, Slot s) {
   Pose pose = world.pose(s);
   pose.position = world.unwrapped(s);

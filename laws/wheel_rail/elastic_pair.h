@@ -1,4 +1,4 @@
-/// @file elastic_pair.h  Two elastic half-spaces as one: what the patch models of wheel and rail take of the materials.
+/// @file elastic_pair.h  Combined elastic constants of two half-spaces, for the patch models of wheel and rail.
 #pragma once
 
 namespace epafi {

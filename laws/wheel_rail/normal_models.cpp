@@ -65,7 +65,7 @@ PatchPlace place_of_patch(const GapSource& source, const ContactRegion& region, 
   for (std::size_t k = 0; k < g.size(); ++k) {
     const double depth = (approach - g.gap[k]) / approach;
     if (depth <= 0.0) continue;
-    // the rail's point above this one of the wheel: on a flank of 0.8 rad 0.03 mm beside it, a sixth of a cell
+    // the rail's point at this point of the wheel: on a flank of 0.8 rad it lies 0.03 mm beside it, 1/6 of a cell
     const std::size_t before = k > 0 ? k - 1 : k, after = k + 1 < g.size() ? k + 1 : k;
     const double opening = (g.gap[after] - g.gap[before]) / (g.y(after) - g.y(before));
     const double y = g.y(k) - lean * (approach - g.gap[k]);

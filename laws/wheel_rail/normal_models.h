@@ -14,7 +14,7 @@
 
 namespace epafi {
 
-/// Where the strips of a patch ended last time: half-lengths over that of the undeformed overlap, strip by strip.
+/// Strips of the last solution of a patch, as start values: half-lengths over those of the undeformed overlap.
 struct StripStart {
   static constexpr std::size_t most = 64;
   std::uint64_t count = 0;  ///< 0: nothing is known
@@ -57,8 +57,8 @@ struct NormalModel {
   bool strips = false;     ///< takes both: its patch lies where the overlap does
 };
 
-/// Where a patch lies: mean place and angle of all that overlaps undeformed at this approach, weighted by the square of
-/// its vertical depth over the area (the reference position that CONTACT prints; of two regions it lies between them).
+/// Reference position of a patch: mean position and angle of the undeformed overlap at this approach, weighted by the
+/// squared vertical depth over the area (as printed by CONTACT; for two regions it lies between them).
 struct PatchPlace {
   double y = 0.0, angle = 0.0;  ///< in the region's tangent plane [m]; track axes [rad]
 };

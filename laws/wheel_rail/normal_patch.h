@@ -1,5 +1,5 @@
-/// @file normal_patch.h  What a normal model finds: one patch with its ellipse, and its pressures on a grid where it
-/// has them.
+/// @file normal_patch.h  Result of a normal model: one patch with its ellipse, and for some models its pressures on a
+/// grid.
 #pragma once
 #include <memory>
 #include <string>
@@ -27,8 +27,8 @@ struct NormalPatch {
   double centre_x = 0.0, centre_y = 0.0;      ///< centre of pressure in the tangent plane [m]
   std::shared_ptr<const BlockStress> stress;  ///< of finite elements, if asked for
   double error_estimate = 0.0;                ///< relative, of the peak pressure
-  std::vector<std::string> reasons;           ///< why it should not be trusted; empty: valid
-  std::vector<std::string> notes;             ///< what was done otherwise than written, and is no less valid
+  std::vector<std::string> reasons;           ///< why it is not valid; empty: valid
+  std::vector<std::string> notes;             ///< deviations from the input that do not affect validity
 };
 
 NormalPatch patch_of_hertz(const HertzContact& contact);

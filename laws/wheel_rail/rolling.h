@@ -1,6 +1,6 @@
-/// @file rolling.h  Words shared by the tangential laws of rolling contact: creepage, the case, the resultant.
-/// x along the track, y to the right, z down; creepage is that of the rail against the wheel over the speed, forces act
-/// on the rail and oppose it: F_x = -G a b c11 xi in the limit of small creepage (Kalker 1990, section 2.2).
+/// @file rolling.h  Types of the tangential laws of rolling contact: creepage, the case, the resultant. x along the
+/// track, y to the right, z down; creepage is that of the rail against the wheel over the speed, forces act on the rail
+/// and oppose it: F_x = -G a b c11 xi in the limit of small creepage (Kalker 1990, section 2.2).
 #pragma once
 #include <array>
 #include <cstddef>

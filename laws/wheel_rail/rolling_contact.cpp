@@ -28,23 +28,23 @@ struct StripRecord {
   StripStart start;
 };
 
-/// Limits that the models for motion share: half-spaces on surfaces that turn, creep laws for ellipses on other
-/// patches. No choice among them does better, so a run does not warn of these; `epafi patch` reports them.
+/// Limits common to all models for motion: half-spaces on inclined surfaces, creep laws for ellipses on other patches.
+/// No other choice avoids them, so a run does not warn of them; `epafi patch` reports them.
 bool is_shared_limit(const std::string& reason) {
   constexpr std::string_view shared[] = {"conformal contact", "the patch is not an ellipse", "axis ratio a/b outside"};
   return std::ranges::any_of(shared, [&](std::string_view text) { return reason.starts_with(text); });
 }
 
-/// What one region does to its wheelset.
+/// Load of one contact region on its wheelset.
 struct RollingForce {
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();  ///< on the wheelset, about its centre
   Vec3 point = Vec3::Zero();                         ///< of the contact, world axes [m]
   double elastic = 0.0, lost = 0.0;                  ///< [J], [W]
   bool touches = false;
-  std::vector<std::string> reasons{};  ///< why the models should not be trusted here
+  std::vector<std::string> reasons{};  ///< why the models are outside their range
 };
 
-/// The patch of a wheel that rolls the other way: turned by half a turn about its normal.
+/// The patch of a wheel that rolls the other way: rotated by 180 deg about its normal.
 void turn_round(NormalPatch& p) {
   std::reverse(p.pressure.begin(), p.pressure.end());
   p.grid_x = -p.grid_x;
@@ -111,7 +111,7 @@ const StripStart* RollingContact::start_of(const RollingRegion& r) const {
 NormalPatch RollingContact::patch_of(const RollingRegion& r, const ElasticPair& elastic, StripStart& start) const {
   std::vector<ContactRegion> one{r.region};
   double approach = r.approach;
-  if (normal_.whole_gap) {  // gaps count from where the deepest region touches, and are open here by the offset
+  if (normal_.whole_gap) {  // gaps are zero where the deepest region touches; here they are larger by the offset
     approach += r.region.offset;
   } else {
     for (double& gap : one.front().profile.gap) gap -= r.region.offset;
@@ -125,7 +125,7 @@ NormalPatch RollingContact::patch_of(const RollingRegion& r, const ElasticPair& 
   return std::move(normal_.solve(in).front().patch);
 }
 
-/// On the rail, in the axes of the region; y as on the track.
+/// Position on the rail in the axes of the region; y as on the track.
 TangentialOutcome RollingContact::creep(const RollingRegion& r, NormalPatch& patch, const ElasticPair& elastic,
                                         double friction, Creepage c, bool backwards) const {
   if (r.mirrored) {
@@ -186,7 +186,7 @@ RollingForce RollingContact::evaluate(const World& world, const RollingRegion& r
         creep(r, patch, elastic, friction, {-slip.dot(x) / speed, -slip.dot(t) / speed, -spin / speed}, rolling < 0.0);
     const PatchForce& f = rolled.force;
     out.reasons.insert(out.reasons.end(), rolled.reasons.begin(), rolled.reasons.end());
-    // tractions of an ellipse count from its centre, those of a grid from the grid's
+    // tractions of an ellipse refer to its centre, those of a grid to the centre of the grid
     const double px = patch.is_ellipse ? patch.centre_x : patch.grid_x,
                  py = side * (patch.is_ellipse ? patch.centre_y : patch.grid_y);
     const Vec3 at = arm + px * x + py * t, creep = -f.fx * x - f.fy * t;
@@ -216,7 +216,7 @@ void RollingContact::act(World& world, ContactSet& contacts, const StepClock& cl
   parallel_blocks(n, 1, [&](std::size_t k, std::size_t, std::size_t) {
     forces_[k] = evaluate(world, regions[k], motions_[k], next[k].start);
   });
-  if (clock.dt > 0.0) records_.swap(next);  // an evaluation over no time leaves no trace
+  if (clock.dt > 0.0) records_.swap(next);  // an evaluation with dt = 0 changes no history
   double lost = 0.0;
   for (std::size_t k = 0; k < n; ++k) {
     const RollingForce& f = forces_[k];
@@ -279,16 +279,16 @@ std::vector<Field> rolling_fields() {
   tangential.choices = {"none"};
   for (const auto& m : all_tangential_models())
     if (m.steady) tangential.choices.push_back(m.entry.name);
-  return {normal,
-          tangential,
-          {"along", "", "", Kind::integer, Value(24.0), {4, 400}, "cells along a patch"},
-          {"across", "", "", Kind::integer, Value(16.0), {4, 200}, "strips across a patch"},
-          {"friction_limit", "A", "", Kind::number, Value(1.0), unit_interval,
-           "friction at high slip velocity over that at rest"},
-          {"friction_decay", "B", "s/m", Kind::number, Value(0.0), not_negative,
-           "how fast friction falls with slip velocity"},
-          {"slowest", "", "m/s", Kind::number, Value(0.05), positive,
-           "smallest rolling speed that creepages are divided by"}};
+  return {
+      normal,
+      tangential,
+      {"along", "", "", Kind::integer, Value(24.0), {4, 400}, "cells along a patch"},
+      {"across", "", "", Kind::integer, Value(16.0), {4, 200}, "strips across a patch"},
+      {"friction_limit", "A", "", Kind::number, Value(1.0), unit_interval,
+       "friction at high slip velocity over that at rest"},
+      {"friction_decay", "B", "s/m", Kind::number, Value(0.0), not_negative, "decay of friction with slip velocity"},
+      {"slowest", "", "m/s", Kind::number, Value(0.05), positive,
+       "smallest rolling speed that creepages are divided by"}};
 }
 
 std::unique_ptr<ContactModel> make_rolling_contact(const RollingSetup& setup, const RollingRegions& regions,
@@ -300,7 +300,7 @@ std::unique_ptr<ContactModel> make_rolling_contact(const RollingSetup& setup, co
 RollingLimits rolling_limits(const RollingSetup& setup, const MaterialPair& pair, double load, double radius,
                              double speed) {
   const ElasticPair e = elastic_pair(pair.a, pair.b);
-  // crown of 0.3 m; c11 and c22 are about 4 for axes alike
+  // crown of 0.3 m; c11 and c22 are about 4 for equal axes
   const HertzContact c = hertz_of_force(0.5 / radius, 0.5 / 0.3, e.effective_modulus(), load);
   const bool creeps = setup.tangential != "none" && pair.friction > 0.0;
   return {c.stiffness,

@@ -6,7 +6,8 @@
 namespace epafi {
 
 std::vector<OverlapRange> overlaps_of(const GapProfile& g, double approach) {
-  const auto crossing = [&](std::size_t in, std::size_t out) {  // on the chord: ends must not jump as the wheel sinks
+  const auto crossing = [&](std::size_t in,
+                            std::size_t out) {  // by linear interpolation: ends must not jump as the approach grows
     const double rise = g.gap[out] - g.gap[in];
     return g.y(in) + (g.y(out) - g.y(in)) * (rise > 0.0 ? std::min(1.0, (approach - g.gap[in]) / rise) : 1.0);
   };

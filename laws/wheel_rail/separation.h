@@ -1,8 +1,8 @@
-/// @file separation.h  Regions of contact that lie apart on one rail: how much the pressure of one bends the surface
-/// under the other. Half-spaces say all of it; but a rail turns between tread and gauge corner, and patches far apart
-/// are solved each for itself, so the influence fades between two distances (the rule and the figures of CONTACT 25.2,
-/// whose user guide calls them D_COMB and D_SEP). S1002 on UIC60 at 5 mm: regions 6.7 mm apart, 39 % of the influence;
-/// all of it would raise the peak by 2.4 % and the approach by 3.1 %.
+/// @file separation.h  Influence of the pressure of one contact region on another region of the same rail. Half-spaces
+/// would have full influence; but the surface of a rail turns between tread and gauge corner, and distant patches are
+/// solved separately, so the influence fades between two distances (rule and values of CONTACT 25.2, D_COMB and D_SEP
+/// in its user guide). S1002 on UIC60 at 5 mm: regions 6.7 mm apart, 39 % of the influence; all of it would raise the
+/// peak by 2.4 % and the approach by 3.1 %.
 #pragma once
 #include <span>
 #include <vector>
@@ -13,8 +13,8 @@ namespace epafi {
 
 /// Distance between the edges of two overlaps, along the rail's surface [m].
 struct InfluenceRange {
-  double full = 4e-3;  ///< up to here they press on each other as one body, >= 0
-  double none = 8e-3;  ///< from here on not at all, >= full; infinite: half-spaces however far apart
+  double full = 4e-3;  ///< full influence up to this distance [m], >= 0
+  double none = 8e-3;  ///< no influence from this distance on [m], >= full; infinite: half-spaces at any distance
 };
 
 /// Undeformed surfaces that overlap from y = low to high of the region's tangent plane [m].

@@ -22,11 +22,11 @@ KalkerCoefficients coefficients(const RollingCase& c) {
   return kalker_coefficients(c.ellipse.a / c.ellipse.b, c.elastic.poissons_ratio);
 }
 
-/// How far the creepages saturate the patch, and how spin stands to the others: what decides where a law holds.
+/// Saturation of the patch by creepages, and proportion of spin: these decide whether a law is within its range.
 struct Regime {
   double saturation;  ///< linear force of all creepages over mu N
   double spin_share;  ///< of that force, in [0, 1]
-  double against;     ///< how much of the linear forces of spin and lateral creepage cancels, in [0, 1]
+  double against;     ///< cancelled part of the linear forces of spin and lateral creepage, in [0, 1]
   double crossed;     ///< how much of them is spin and longitudinal creepage in equal parts, in [0, 1]
   double rim;         ///< slip by spin at the patch's far end over that and the slip by creepage, in [0, 1]
 };
@@ -57,7 +57,7 @@ void check_materials(const TangentialInput& in, TangentialOutcome& out) {
     out.reasons.push_back("unlike materials couple pressure and traction, which is left out");
 }
 
-/// Linear force of all creepages over mu N: small where a relative tolerance must be finer than mu N.
+/// Linear force of all creepages over mu N; where it is small, a tolerance relative to mu N is too coarse.
 double saturation_of(const TangentialInput& in) {
   const RollingCase c = case_of(in);
   return regime_of(c, coefficients(c)).saturation;
@@ -79,9 +79,9 @@ double dissipation(const PatchForce& f, const Creepage& c) {
 }
 
 // Error estimates below are fits to the distances to the half-space solution over 270 points: a/b from 0.2 to 4,
-// longitudinal, lateral creepage and spin alone, spin with and against lateral creepage and beside longitudinal, 0.1 to
-// 5 times mu N / (G a b) or its like (tests/physics/test_wheel_rail_flags.cpp). A law says so where its fit is beyond
-// 0.1 mu N, unless its own column of the 56 published points is wider.
+// longitudinal, lateral creepage and spin alone, spin with and against lateral creepage and with longitudinal, 0.1 to 5
+// times mu N / (G a b) or its equivalent (tests/physics/test_wheel_rail_flags.cpp). A law warns where its fit exceeds
+// 0.1 mu N, or its own column of the 56 published points if that is wider.
 
 TangentialOutcome solve_kalker_linear(const TangentialInput& in) {
   TangentialOutcome out;
@@ -170,14 +170,14 @@ StripPatch strips_of(const TangentialInput& in, Bound bound) {
                            static_cast<std::uint32_t>(in.cells.ny), bound);
 }
 
-/// Largest distance of the law, and that of its own grid (first order: one over the cells along the axis).
+/// Largest error of the law, and error of its grid (first order: 1 / cells along the axis).
 double grid_error(const TangentialInput& in) {
   const double cells =
       in.patch.is_ellipse ? static_cast<double>(in.cells.nx) : 2.0 * in.patch.ellipse.a / in.patch.grid.dx;
   return 0.5 / std::max(1.0, cells);
 }
 
-constexpr double most_hidden = 0.048;  // of mu N, by which a law may be off in silence beyond its pure creepages
+constexpr double most_hidden = 0.048;  // error over mu N that a law may have without a warning, beyond pure creepages
 
 TangentialOutcome fastsim_on(const TangentialInput& in, Bound bound) {
   TangentialOutcome out;
@@ -210,7 +210,7 @@ TangentialOutcome fastsim_on(const TangentialInput& in, Bound bound) {
 TangentialOutcome solve_fastsim(const TangentialInput& in) { return fastsim_on(in, Bound::parabolic); }
 TangentialOutcome solve_fastsim_elliptic(const TangentialInput& in) { return fastsim_on(in, Bound::elliptic); }
 
-/// Carter's problem (1926): of a line contact one strip is the whole, half-planes are the half-spaces.
+/// Carter's problem (1926): a line contact is one strip, and half-planes stand for the half-spaces.
 TangentialOutcome solve_line(const TangentialInput& in) {
   TangentialOutcome out;
   const RollingCase c = case_of(in);
@@ -225,7 +225,7 @@ TangentialOutcome solve_line(const TangentialInput& in) {
   return out;
 }
 
-/// What a strip's tractions follow: plane rolling, or Kalker's stiffness and FASTSIM's slip directions.
+/// Theory of a strip's tractions: plane rolling, or Kalker's stiffness with FASTSIM's slip directions.
 enum class StripLaw { plane, fastrip };
 
 TangentialOutcome strips_on(const TangentialInput& in, StripLaw law) {
@@ -261,7 +261,8 @@ TangentialOutcome strips_on(const TangentialInput& in, StripLaw law) {
 TangentialOutcome solve_strip(const TangentialInput& in) { return strips_on(in, StripLaw::plane); }
 TangentialOutcome solve_fastrip(const TangentialInput& in) { return strips_on(in, StripLaw::fastrip); }
 
-/// A steady line contact is plane; a shift of half-planes has no displacement at infinity to count from.
+/// A line contact is possible in steady rolling only: a shift of half-planes has no finite displacement at infinity to
+/// refer to.
 TangentialOutcome solve_half_space_rolling(const TangentialInput& in) {
   if (!in.patch.is_line) return steady_half_space(in, saturation_of(in));
   return solve_line(in);
@@ -274,7 +275,7 @@ TangentialOutcome not_on_lines(const TangentialInput& in) {
   return out;
 }
 
-/// The model, and what follows from any force.
+/// The model, with results derived from its force.
 template <TangentialOutcome (*Model)(const TangentialInput&)>
 TangentialOutcome complete(const TangentialInput& in) {
   TangentialOutcome out = Model(in);

@@ -12,7 +12,7 @@
 
 namespace epafi {
 
-/// Kalker's K of unlike bodies, beyond which what is left out of the coupling of pressure and traction shows.
+/// Kalker's K of unlike bodies above which the neglected coupling of pressure and traction matters.
 inline constexpr double most_coupling = 0.05;
 
 struct TangentialInput {

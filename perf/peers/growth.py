@@ -9,7 +9,7 @@ floor, each the mirror image of its neighbours (a sphere that leant on a wall le
 into each other's gaps), and runs them on one thread, the same steps for all, in turns. Prints, and writes to table.md:
 nanoseconds per sphere and step by the clocks of the stages (median, smallest, largest; processor time of runs of 300
 and of 10 steps, subtracted, gave 29 to 44 ns for 10 000), over that of 10 000; the peak of the whole process over the
-number of spheres and what `epafi explain` foretells without program and room to grow; beside them what the runs got
+number of spheres and what `epafi explain` predicts without program and room to grow; beside them what the runs got
 right: the height of the centre of mass and the overlap in percent of the radius.
 """
 import argparse
@@ -19,7 +19,7 @@ import statistics
 import subprocess
 
 import numpy
-from runs import foretold, settled, write_csv, write_table
+from runs import predicted, settled, write_csv, write_table
 
 HEAD = """title = "Beds side by side"
 run = { duration = %.9g, time_step = 5e-5, output_interval = 1e3 }
@@ -90,6 +90,6 @@ for (n, times, s), folder in zip(rows, folders):
     middle = statistics.median(times)
     lines.append("| %d | %.1f | %.1f, %.1f | %s | %.0f | %.0f | %.3f | %.2f |" % (
         n, middle, min(times), max(times), "%.2f" % (middle / base) if base else "", s["peak_memory_bytes"] / n,
-        foretold(o.program, "bed.toml", folder) / n,
+        predicted(o.program, "bed.toml", folder) / n,
         1e3 * s["measures"]["middle"]["z"]["last"], 100 * s["overlap"]["max_relative"]))
 write_table(lines, o.out)

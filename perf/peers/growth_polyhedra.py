@@ -10,7 +10,7 @@ walls of 0.2 m between them. The first `warm` steps, in which the copies settle 
 same run resumed) are timed on one thread, without output. Prints, and writes to table.md: for both microseconds per
 body and step and sweeps per step (fewer where the tolerance is met), the first over that of the smallest number,
 milliseconds per step at the end, contacts per body, the peak of the process over the number of bodies and what `epafi
-explain` foretells (without program, output, drawn surfaces and room to grow); beside them what the runs got right:
+explain` predicts (without program, output, drawn surfaces and room to grow); beside them what the runs got right:
 largest and mean overlap in percent of the radius, kinetic energy as a velocity (root of 2 E / m), bodies lost.
 """
 import argparse
@@ -18,7 +18,7 @@ import os
 import subprocess
 import sys
 
-from runs import foretold, resumed, without_output
+from runs import predicted, resumed, without_output
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 PILE = os.path.join(HERE, "..", "..", "scenes", "library", "pile")
@@ -115,7 +115,7 @@ for number in o.numbers:
         number, settling, sweeps[0] / o.warm, settling / first, 1e3 * ms / number, (sweeps[1] - sweeps[0]) / o.steps,
         ms,
         s["contacts_mean"] / number, max(start["peak_memory_bytes"], s["peak_memory_bytes"]) / number,
-        foretold(o.program, "pile.toml", folder) / number,
+        predicted(o.program, "pile.toml", folder) / number,
         100 * s["overlap"]["max_relative"], 100 * s["overlap"]["mean"] / size,
         1e3 * (2 * s["energy"]["kinetic"] / mass) ** 0.5, s["bodies_lost"]))
     print("\n".join(lines[-1:] if number != o.numbers[0] else lines), flush=True)

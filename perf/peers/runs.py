@@ -175,7 +175,7 @@ def print_table(title, checks, seen, folder, case=None):
                         % (case, SHORT.get(name, name), statistics.median(ns), min(ns), max(ns)))
 
 
-def foretold(program, scene, folder):
+def predicted(program, scene, folder):
     """Bytes of a scene by the types of its columns: those of `epafi explain` times the pairs and contacts that `epafi
     check` counts at the start."""
     say = lambda command: subprocess.run([program, command, scene], cwd=folder, check=True, capture_output=True,

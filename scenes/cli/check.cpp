@@ -10,8 +10,8 @@
 #include "engine/state/state_snapshot.h"
 #include "engine/threads/parallel.h"
 #include "scenes/carry_over.h"
-#include "scenes/foretold_time.h"
 #include "scenes/peak_memory.h"
+#include "scenes/predicted_time.h"
 #include "scenes/processor_time.h"
 #include "scenes/progress.h"
 #include "viz_export/output/output_observers.h"
@@ -31,7 +31,7 @@ std::string solids_text(const Assembly& a) {
   return out;
 }
 
-/// What was joined of every mesh.
+/// Triangles, faces and joined vertices of each mesh.
 std::string meshes_text(const Assembly& a) {
   std::string out;
   for (const TriangleMesh& m : a.shapes->of<TriangleMesh>()) {
@@ -42,13 +42,13 @@ std::string meshes_text(const Assembly& a) {
   return out;
 }
 
-/// What moves, by number; of fills whose number is not written, one.
+/// Number of moving bodies; fills without a written number count as one.
 struct Movers {
   double all = 0.0, polyhedra = 0.0, balls = 0.0;  ///< balls: spheres and clumps
   double others = 0.0;                             ///< seconds of all but polyhedra in a smooth packing, a step
 
   void add(const std::string& type, double number) {
-    using namespace foretold;
+    using namespace predicted;
     static const std::map<std::string, double> prices{
         {"sphere", smooth_sphere},  {"clump", smooth_clump},     {"capsule", smooth_capsule},
         {"cylinder", smooth_round}, {"ellipsoid", smooth_round}, {"superquadric", smooth_superquadric}};
@@ -78,12 +78,12 @@ std::size_t listed_spheres(const Simulation& sim) {
   return std::max(sim.work.pairs.spheres.size(), in_loop);
 }
 
-/// Those that spheres have in their own loop are not in the set.
+/// Number of contacts; those of the loop over spheres are not in the set.
 double contacts_there(const Simulation& sim) {
   return static_cast<double>(std::max(sim.work.contacts.size(), sim.work.report.touching));
 }
 
-/// Something brings the bodies together.
+/// True where gravity or a cell brings the bodies together.
 bool gathers(const Simulation& sim) { return sim.world.gravity != Vec3::Zero() || sim.world.cell; }
 
 /// Share of the contacts of a packing of so many bodies that are still to come.
@@ -91,14 +91,14 @@ double share_to_come(const Simulation& sim, double bodies) {
   return gathers(sim) ? std::max(0.0, 1.0 - contacts_there(sim) / std::max(1.0, 2.0 * bodies)) : 0.0;
 }
 
-/// Of `packed` those that are not there yet, and what columns keep to grow.
+/// Number still to come out of `packed`, with the reserve of columns.
 double to_come(const Simulation& sim, double packed, double there) {
   return gathers(sim) ? 1.25 * std::max(0.0, packed - there) : 0.0;
 }
 
-/// Peak of a run [bytes]: what this process holds after the first steps, and what a run has on top of it: the copy of
-/// the state kept for failures, its output, and the pairs and contacts of a packed state, where the scene starts loose
-/// and something brings its bodies together. free: bodies that move, `later` of them poured in later.
+/// Peak memory of a run [bytes]: that of this process after the first steps, plus the copy of the state kept for
+/// failures, the output, and pairs and contacts of the packed state where the scene starts loose. free: moving bodies,
+/// `later` of them poured in later.
 double predicted_memory(Assembly& a, std::size_t free, std::size_t later, bool polyhedra) {
   Simulation& sim = *a.simulation;
   const auto held = static_cast<double>(peak_memory());
@@ -111,22 +111,23 @@ double predicted_memory(Assembly& a, std::size_t free, std::size_t later, bool p
   const double contacts = to_come(sim, (polyhedra ? 10.0 : 3.0) * bodies, there);
   const double pairs = to_come(sim, (polyhedra ? 9.0 : 7.0) * bodies,
                                static_cast<double>(sim.work.pairs.pairs.size() + listed_spheres(sim)));
-  // of spheres in their own loop in the set, where a measure asks for it, beside pair and spring
+  // where a measure needs contacts of the loop over spheres, these are also in the set
   const auto in_set = static_cast<double>(a.plan.memory.in_set);
   const bool asks = std::ranges::any_of(
       a.scene.measures, [&](const auto& spec) { return a.measure(spec)->wants_contacts() == ContactView::all; });
   const double own = (asks ? in_set + 32.0 : 0.0) + (a.plan.needs.contact_moment ? 190.0 : 60.0);
   const double contact = a.plan.fused_spheres ? own : static_cast<double>(a.plan.memory.contact);
-  // HDF5, what it remembers of the shapes in run.h5 (Hdf5File limits it), a frame
+  // HDF5, its cache of shapes in run.h5 (limited by Hdf5File), a frame
   const double output = 6e6 + std::min(8e6, 14e3 * hulls) + (polyhedra ? 2000.0 : 20.0) * bodies;
-  // a large copy goes to a scratch file, while lists that take more room than its pieces have made way
+  // a large copy is written to a scratch file, after lists larger than its pieces were freed
   const double copy = state.total > StateSnapshot::most_in_memory ? 0.0 : static_cast<double>(state.total);
-  const double beside = a.plan.fused_spheres ? 2.0 : 3.0;  // lists beside the state, over it; the loop has it in common
+  const double beside =
+      a.plan.fused_spheres ? 2.0 : 3.0;  // size of lists over that of the state; the loop over spheres shares some
   return held + copy + output + contacts * contact + pairs * static_cast<double>(a.plan.memory.pair) +
          static_cast<double>(later) * beside * static_cast<double>(a.plan.memory.body);
 }
 
-std::string time_text(const ForetoldTime& time, const RunCounts& run, double present) {
+std::string time_text(const PredictedTime& time, const RunCounts& run, double present) {
   if (present < 0.1) return "  wall time     unknown: nearly all bodies enter after the first steps\n";
   return fmt::format(
       "  processor     about {:.3g} s: {:.3g} s of steps and measures (from the first ones and expected contacts), "
@@ -136,7 +137,7 @@ std::string time_text(const ForetoldTime& time, const RunCounts& run, double pre
       thread_count());
 }
 
-/// As a run has them, but for its files. Returns how many read contacts in a step, on average.
+/// Adds the measures of a run without its files. Returns the mean number per step that read contacts.
 double add_measures(Assembly& a) {
   Simulation& sim = *a.simulation;
   double reading = 0.0;
@@ -149,8 +150,7 @@ double add_measures(Assembly& a) {
   return reading;
 }
 
-/// Makes the first steps. The second half of them gives the cost of later ones, since the very first still allocate
-/// memory.
+/// Makes the first steps. The second half gives the cost of later ones, since the first ones allocate memory.
 std::optional<Failure> time_steps(Simulation& sim, std::uint64_t last, FirstSteps& first) {
   constexpr std::uint64_t most = 3000;
   constexpr double enough = 0.5;  // [s]
@@ -171,7 +171,7 @@ std::optional<Failure> time_steps(Simulation& sim, std::uint64_t last, FirstStep
   return {};
 }
 
-/// How far the highest free body starts above the lowest body, against gravity [m].
+/// Height of the highest free body above the lowest body at the start, against gravity [m].
 double height_of_bodies(const World& w) {
   double low = infinity, high = -infinity;
   const Vec3 up = w.gravity == Vec3::Zero() ? Vec3(Vec3::Zero()) : Vec3(-w.gravity.normalized());
@@ -183,7 +183,7 @@ double height_of_bodies(const World& w) {
   return high > low ? high - low : 0.0;
 }
 
-/// Of the run, before its first steps; loose bodies are reported after them.
+/// Counts of the run before its first steps; loose bodies are counted after these.
 RunCounts counts_of(const Assembly& a, double bodies, const Movers& movers) {
   RunCounts run;
   const double duration = static_cast<double>(a.steps) * a.time_step.value;
@@ -203,7 +203,7 @@ RunCounts counts_of(const Assembly& a, double bodies, const Movers& movers) {
   return run;
 }
 
-/// Of the surfaces that a frame draws: of all that are there and all that come.
+/// Number of surface points in a frame, including bodies still to come.
 double drawn_points(const Assembly& a) {
   std::map<std::uint32_t, double> known;
   const auto points = [&](std::uint32_t shape) {
@@ -219,14 +219,14 @@ double drawn_points(const Assembly& a) {
   return sum;
 }
 
-/// Of a later stage: its steps cost what those of the first do once its bodies lie on each other.
-ForetoldTime foretell_stage(RunCounts run, const FirstSteps& first, const StageCheck& stage, double speed) {
+/// Predicted time of a later stage: its steps cost as much as those of the first in the packed state.
+PredictedTime predict_stage(RunCounts run, const FirstSteps& first, const StageCheck& stage, double speed) {
   run.steps = stage.steps;
   run.outputs = stage.outputs;
   run.falling = 0.0;
   FirstSteps lasting = first;
   lasting.start = lasting.seconds = lasting.made = 0.0;
-  ForetoldTime out = foretell_time(run, lasting, speed);
+  PredictedTime out = predict_time(run, lasting, speed);
   out.start = 0.0;
   return out;
 }
@@ -239,7 +239,7 @@ std::string stages_text(const Assembly& a) {
                      open ? "; stages that end by a condition count with at_most" : "");
 }
 
-/// Bodies that sources have still to bring in.
+/// Number of bodies that sources have still to add.
 std::size_t waiting_bodies(const Assembly& a) {
   std::size_t waiting = 0;
   for (const PourBodies* source : a.sources)
@@ -247,7 +247,7 @@ std::size_t waiting_bodies(const Assembly& a) {
   return waiting;
 }
 
-/// Of those, that a run of one stage ends too early for.
+/// Number of these that come after the end of a run of one stage.
 std::size_t too_late(const Assembly& a) {
   if (a.scene.stages.size() > 1) return 0;
   const double end = static_cast<double>(a.steps) * a.time_step.value;
@@ -264,7 +264,7 @@ std::string waiting_text(std::size_t later, std::size_t late) {
   return fmt::format(", {} poured in later{}", later, some);
 }
 
-/// As the first step finds it; it stays in the simulation's workspace.
+/// Overlap found by the first detection, which stays in the simulation's workspace.
 Overlap overlap_at_start(Assembly& a) {
   Simulation& sim = *a.simulation;
   (void)enter_simulation(a);
@@ -320,9 +320,9 @@ std::string check_text(Assembly& a, const std::vector<StageCheck>& stages) {
   run.loose = share_to_come(sim, run.bodies);
   first.present = (static_cast<double>(free) - gone) / run.bodies;
   const double speed = machine_speed();
-  ForetoldTime time = foretell_time(run, first, speed);
+  PredictedTime time = predict_time(run, first, speed);
   for (const StageCheck& stage : stages) {
-    const ForetoldTime more = foretell_stage(run, first, stage, speed);
+    const PredictedTime more = predict_stage(run, first, stage, speed);
     time.steps += more.steps;
     time.output += more.output;
   }

@@ -1,4 +1,4 @@
-/// @file check.h  `epafi check`: what a run would be, without running it.
+/// @file check.h  `epafi check`: properties of a run, without running it.
 #pragma once
 #include <string>
 

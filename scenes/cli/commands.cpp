@@ -44,13 +44,14 @@ constexpr const char* memory_message = "epafi: not enough memory; `epafi check` 
 
 void say(const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str()); }
 
-/// How many were printed.
+/// Prints problems; returns their number.
 std::size_t print_problems(const std::vector<Problem>& problems) {
   for (const auto& p : problems) say(p.to_string());
   return problems.size();
 }
 
-/// Of stages to come, how many; what was printed of the scene or of another stage is left out.
+/// Prints the warnings of later stages; returns their number. Warnings printed for the scene or another stage are left
+/// out.
 std::size_t print_warnings(const std::vector<StageCheck>& stages, std::vector<Problem> printed) {
   const std::size_t before = printed.size();
   for (const StageCheck& stage : stages)
@@ -110,7 +111,7 @@ int strict_code(int code, const RunOptions& options, std::size_t of_scene, std::
   return exit_bound;
 }
 
-/// scene_warnings: how many were printed before the first step.
+/// scene_warnings: number printed before the first step.
 int finish(Session& session, const std::filesystem::path& folder, const RunOptions& options,
            const SessionLimits& limits, std::size_t scene_warnings) {
   const Ending ending = session.run(limits, options.quiet);
@@ -141,7 +142,7 @@ void set_threads(int threads) {
                     thread_count()));
 }
 
-/// Files of an earlier run; beside its frames there may be others.
+/// Removes the files of an earlier run; the folder of frames may hold others.
 void remove_results(const std::filesystem::path& folder) {
   for (const char* name : {"run.h5", "checkpoint.h5", "measures.csv", "progress.csv", "summary.json", "frames.pvd"})
     std::filesystem::remove(folder / name);
@@ -162,8 +163,8 @@ void note_thinned(const Assembly& assembly) {
                       m.name, apart, static_cast<double>(apart) * assembly.time_step.value));
 }
 
-/// Exceptions that nothing caught, or that cannot leave a parallel loop, end here: a message, no abort. Checkpoints
-/// stand, they are written aside and renamed.
+/// Handler of uncaught exceptions, as in parallel loops: prints a message instead of aborting. Checkpoints stay valid,
+/// since they are written aside and renamed.
 [[noreturn]] void give_up() {
   try {
     if (std::current_exception()) std::rethrow_exception(std::current_exception());
@@ -180,9 +181,9 @@ void note_thinned(const Assembly& assembly) {
   std::_Exit(exit_file);
 }
 
-/// This process follows another one: its part of the steps until the run ends, stage after stage.
+/// Runs this process as a follower: makes its part of all steps until the run ends.
 int follow(std::unique_ptr<Assembly> part) {
-  std::signal(SIGINT, SIG_IGN);  // whoever leads writes a checkpoint and ends the run
+  std::signal(SIGINT, SIG_IGN);  // process 0 writes a checkpoint and ends the run
   std::signal(SIGTERM, SIG_IGN);
   while (true) {
     const RankTeam::Followed end = RankTeam::of_program()->follow(*part->simulation, part_setup(*part));
@@ -195,8 +196,8 @@ bool follows(const RankTeam* team) { return team != nullptr && team->number() > 
 
 }  // namespace
 
-/// All of a command by one team: loops outside one are OpenMP's own, whose threads spin for milliseconds after each of
-/// them, beside other programs for a time slice.
+/// Runs a whole command in one team of threads: OpenMP's own threads, used outside a team, spin for milliseconds after
+/// each loop, and for a time slice beside other programs.
 template <class F>
 int in_team(int threads, const F& command) {
   set_threads(threads);
@@ -246,7 +247,7 @@ int command_run(const CommonOptions& common, const RunOptions& options) {
 
 namespace {
 
-/// The scene with a stage put in behind the present one, which has these changes; how many warnings it has.
+/// Inserts a stage with these changes after the present one; returns its number of warnings.
 std::size_t change_keys(Session& session, const CheckpointHeader& header, const std::vector<std::string>& overrides,
                         const SessionLimits& limits) {
   RunRecord record = session.record();
@@ -261,8 +262,8 @@ std::size_t change_keys(Session& session, const CheckpointHeader& header, const 
   return warnings;
 }
 
-/// Another scene on the state of this run, which is kept under another name: a later resume starts from it too. How
-/// many warnings it has.
+/// Continues with another scene from the state of this run, which is kept under another name for later resumes. Returns
+/// the number of warnings of the scene.
 std::size_t change_scene(Session& session, const std::string& path, const std::vector<std::string>& overrides,
                          const std::filesystem::path& folder) {
   if (!std::filesystem::exists(path)) throw FileError("the scene file '" + path + "' does not exist");
@@ -286,7 +287,7 @@ std::size_t change_scene(Session& session, const std::string& path, const std::v
 
 }  // namespace
 
-/// Nothing is left to do of the run.
+/// True where the run is complete.
 static bool is_over(const CheckpointHeader& header, const RunRecord& record, const Assembly& assembly) {
   if (assembly.scene.stage + 1 < assembly.scene.stages.size()) return false;
   if (record.stages.empty()) return header.step >= assembly.steps;
@@ -294,7 +295,7 @@ static bool is_over(const CheckpointHeader& header, const RunRecord& record, con
   return !now.ended.empty() || header.step >= now.first_step + assembly.steps;
 }
 
-/// Of a run that nothing is left of: what would go on.
+/// Says that a run is complete, and how to continue it.
 static void say_complete(const CheckpointHeader& header, const RunRecord& record, const std::string& directory) {
   const bool by_condition = !record.stages.empty() && record.stages.back().ended == "condition";
   const std::string onwards =

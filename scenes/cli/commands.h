@@ -53,7 +53,7 @@ struct PatchOptions {
 };
 
 int command_run(const CommonOptions& common, const RunOptions& options);
-/// What a run goes on with that is not what it began with.
+/// Changes of a resumed run.
 struct ResumeChanges {
   std::vector<std::string> overrides;  ///< "KEY.PATH=VALUE", from here on
   std::string scene;                   ///< another scene; empty: the same

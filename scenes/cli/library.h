@@ -20,7 +20,8 @@ std::string scene_file(const std::string& name);
 /// one.
 bool looks_like_scene(const std::filesystem::path& file);
 
-/// As scene_file; a FileError where there is neither, a SceneError where it is none. what: "scene file", "study".
+/// As scene_file; throws FileError where there is no such file, SceneError where it is no scene. what: "scene file",
+/// "study".
 std::string existing_scene_file(const std::string& name, const std::string& what = "scene file");
 
 /// The library's scenes that have a [benchmark].

@@ -19,7 +19,7 @@ void print_rows(const std::string& text, const std::string& out) {
     write_whole_file(out, {text});
 }
 
-/// Exit code: not done where the wheelset stands at none of the shifts.
+/// Returns the exit code: a failure where the wheelset has contact at none of the shifts.
 int print_geometry(const PatchCase& patch, const std::string& out) {
   const PatchGeometry geometry = patch_geometry(patch);
   print_rows(geometry.csv, out);
@@ -31,7 +31,8 @@ int print_geometry(const PatchCase& patch, const std::string& out) {
   return geometry.standing > 0 ? exit_done : exit_bound;
 }
 
-/// Of each pair of models once: what was done otherwise than written, and why a pair found no contact. Whether all did.
+/// Prints, once per text, deviations from the case and the reasons of pairs of models without a solution. True if all
+/// have one.
 bool say_what_differs(const std::vector<PatchResult>& results) {
   bool solved = true;
   std::vector<std::string> said;

@@ -18,7 +18,7 @@ inline void print(const std::string& text) {
   require_printed(std::fwrite(text.data(), 1, text.size(), stdout) == text.size());
 }
 
-/// What was printed has gone out of the program.
+/// Flushes printed text; throws where it cannot be written.
 inline void flush_printed() { require_printed(std::fflush(stdout) == 0); }
 
 }  // namespace epafi

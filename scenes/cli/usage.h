@@ -57,7 +57,7 @@ inline std::string hint(const std::string& word, const std::vector<std::string>&
   return close ? "did you mean '" + *close + "'? " : "";
 }
 
-/// What `epafi help` and `epafi help COMMAND` print; empty where that is not asked.
+/// Text of `epafi help` and `epafi help COMMAND`; empty for other commands.
 inline std::string asked_help(const CLI::App& app, int argc, char** argv) {
   if (argc < 2 || std::string(argv[1]) != "help") return {};
   const bool of_one = argc > 2 && holds(command_names(app), argv[2]);

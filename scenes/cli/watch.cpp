@@ -34,7 +34,7 @@ constexpr std::size_t file_width = 112;  // of lines that go to no terminal
 /// Characters of a line: the name with its unit, the last value, the course, its ends.
 struct LineWidths {
   std::size_t name = 34, value = 12, course = 40, ends = 24;
-  /// As a terminal of that width holds.
+  /// Widths for a terminal of this width.
   explicit LineWidths(std::size_t width) {
     if (width < 100) name = 28;
     const std::size_t others = name + value + ends + 3;
@@ -42,7 +42,7 @@ struct LineWidths {
   }
 };
 
-/// Values of one component; halved where they have become too many, so that all of the run stays in sight.
+/// Values of one component; thinned by half where there are too many, so that the whole run is shown.
 struct Course {
   std::vector<double> values;
   std::size_t stride = 1, seen = 0;
@@ -64,7 +64,7 @@ struct Course {
     stride *= 2;
   }
 
-  /// From its lowest to its highest value, from its first to its last.
+  /// Bars from first to last value, scaled from lowest to highest.
   std::string picture(std::size_t columns) const {
     static constexpr const char* bars[] = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
     const std::size_t n = values.size(), shown = std::min(columns, n);
@@ -82,7 +82,7 @@ struct Course {
   }
 };
 
-/// The rows that a file has got since the last look.
+/// Reads the rows added to a file since the last call.
 class MeasureTail {
  public:
   /// only: measures that are shown; empty: all.
@@ -119,7 +119,7 @@ class MeasureTail {
   std::set<std::string> known_;  ///< measures
 };
 
-/// The name in so many columns, then its unit; a long one keeps its beginning and its component.
+/// The name in at most `columns` characters, then its unit; a long name keeps its beginning and its component.
 std::string in_columns(std::string name, std::size_t columns, const std::string& unit) {
   if (name.size() > columns) {
     const std::size_t comma = std::min(name.rfind(','), name.size() - 1);
@@ -131,7 +131,7 @@ std::string in_columns(std::string name, std::size_t columns, const std::string&
   return name + unit + std::string(columns - std::min(columns, name.size()), ' ');
 }
 
-/// Kinds of the scene's measures, from run.h5: they say the units. Asked again while there is a name without one.
+/// Kinds of the scene's measures from run.h5, for their units; read again while a name has none.
 class MeasureKinds {
  public:
   explicit MeasureKinds(fs::path file) : file_(std::move(file)) {}
@@ -156,7 +156,7 @@ class MeasureKinds {
   int tries_ = 100;
 };
 
-/// What is watched: the run's own values, then its measures.
+/// The watched values: those of the run, then its measures.
 struct Watched {
   MeasureTail own, measures;
   MeasureKinds kinds;
@@ -174,7 +174,7 @@ struct Watched {
     const std::string unit = measure_unit(is_own ? own_kind : kinds.of(measure), component).unit;
     return unit.empty() ? "" : " [" + unit + "]";
   }
-  /// Lines printed. most: as the terminal holds; 0: all.
+  /// Prints lines; returns their number. most: height of the terminal; 0: all.
   int show(int most, const LineWidths& widths) const {
     const double now = std::max(own.time(), measures.time());
     const std::string since =
@@ -211,7 +211,7 @@ winsize terminal_size() {
   return size;
 }
 
-/// How it ended, and the exit code.
+/// Prints how the run ended; returns the exit code.
 int told_end(const fs::path& folder, const RunState& state, double time) {
   if (state.life == RunLife::over) {
     std::string status, trouble;

@@ -26,7 +26,7 @@ const TangentialModel& tangential_model(const std::string& name) {
   return *std::find_if(all.begin(), all.end(), [&](const TangentialModel& m) { return m.entry.name == name; });
 }
 
-/// Cells over an elliptic patch: those given, else 32 square ones along the shorter axis (at most 256 along the
+/// Grid over an elliptic patch: cells of the case, else 32 square ones along the shorter axis (at most 256 along the
 /// longer).
 PatchGrid cells_of(const PatchCase& c, const Ellipse& e) {
   const double shorter = 2.0 * std::min(e.a, e.b) / 32.0;
@@ -41,13 +41,13 @@ PatchGrid cells_of(const PatchCase& c, const Ellipse& e) {
   return g;
 }
 
-/// Those that `to` does not hold yet.
+/// Adds reasons that `to` does not contain yet.
 void add_reasons(std::vector<std::string>& to, const std::vector<std::string>& from) {
   for (const auto& r : from)
     if (std::find(to.begin(), to.end(), r) == to.end()) to.push_back(r);
 }
 
-/// Sums and peaks over the patches.
+/// Updates sums and peaks over the patches.
 void add_normal(PatchResult& out, const RegionPatch& rp, const std::vector<ContactRegion>& regions) {
   const NormalPatch& p = rp.patch;
   PatchContact c;
@@ -72,7 +72,7 @@ void add_normal(PatchResult& out, const RegionPatch& rp, const std::vector<Conta
   add_reasons(out.notes, p.notes);
 }
 
-/// Contacts that lie on tangents beyond the points of a profile.
+/// Reports contacts on the linear extrapolation beyond the points of a profile.
 void check_ends(const ProfileCase& p, PatchResult& out) {
   for (const PatchContact& k : out.contacts) {
     if (!(k.normal_force > 0.0)) continue;
@@ -85,7 +85,7 @@ void check_ends(const ProfileCase& p, PatchResult& out) {
   }
 }
 
-/// Patches of the left wheel are those of its mirror image: lateral quantities change their sign on the way in and out.
+/// The left wheel is solved as its mirror image: lateral quantities change sign in input and output.
 TangentialOutcome mirrored(TangentialOutcome t) {
   t.force.fy = -t.force.fy;
   t.force.mz = -t.force.mz;
@@ -110,7 +110,7 @@ void add_tangential(PatchResult& out, const PatchCase& c, const Creepage& creepa
   out.force.fy += t.force.fy;
   out.force.mz += t.force.mz;
   out.wear_number += t.wear_number;
-  // stick by area over all patches; unknown if one does not know
+  // stick share weighted by area over all patches; unknown if it is for one
   const double share = rp.patch.area * t.stick_share;
   if (t.stick_share < 0.0)
     out.stick_share = -1.0;
@@ -178,7 +178,7 @@ void add_missed_load(const PatchCase& c, PatchResult& out) {
 }
 
 /// With profiles the load is vertical: the normal force follows from the inclination of the contact and from friction,
-/// and with it how deep the wheel stands, which moves load between regions beside each other.
+/// and with it the vertical position of the wheel, which shifts load between adjacent regions.
 PatchResult meet_load_on_one(const PatchCase& c, PatchContactSolver& solver, const std::string& normal,
                              const std::string& tangential, bool maps) {
   NormalTarget target = c.target;
@@ -189,14 +189,14 @@ PatchResult meet_load_on_one(const PatchCase& c, PatchContactSolver& solver, con
   PatchResult out = evaluate_pair(c, solver, normal, tangential, solver.solve(normal, target), maps);
   if (!inclined) return out;
   const bool strips = normal == "semi-hertz";
-  // strips settle to as much; the peak pressure feels a third of it
+  // strips converge to this; the relative error of the peak pressure is a third of it
   const double near = strips ? 3e-4 : is_finite_elements(normal) ? 1e-3 : 1e-4;
   for (int k = 0; k < most_rounds; ++k) {
     const double vertical = vertical_force(out), ratio = std::clamp(c.target.value / vertical, 0.5, 2.0);
     const bool met = std::abs(vertical - c.target.value) < near * c.target.value;
     if (met && solver.stands(normal, out.approach) && !(strips && solver.rough)) return out;
     solver.rough = false;
-    // creep forces grow nearly as the normal force, the approach as its root (its 2/3 power for one ellipse)
+    // creep forces are nearly proportional to the normal force, the approach to its root (2/3 power for one ellipse)
     target.value *= ratio;
     const double expected = out.approach * std::sqrt(ratio);
     if (!solver.stands(normal, expected)) solver.follow(expected);
@@ -206,7 +206,8 @@ PatchResult meet_load_on_one(const PatchCase& c, PatchContactSolver& solver, con
   return out;
 }
 
-/// The same where regions far apart share the load: what they have in common is how deep the wheel stands.
+/// As meet_load_on_one, for separate regions that share the load: their common unknown is the vertical position of the
+/// wheel.
 PatchResult meet_load_apart(const PatchCase& c, PatchContactSolver& solver, const std::string& normal,
                             const std::string& tangential, bool maps) {
   const double near = normal == "semi-hertz" ? 3e-4 : 1e-4;
@@ -220,7 +221,7 @@ PatchResult meet_load_apart(const PatchCase& c, PatchContactSolver& solver, cons
     const double vertical = vertical_force(out), off = vertical - c.target.value;
     if (std::abs(off) < near * c.target.value) return out;
     (off < 0.0 ? low : high) = depth;
-    // by the power 3/2 of one ellipse at first, then by secants, between the depths that are known
+    // first by the power 3/2 of one ellipse, then by secants within the known bracket
     double next = depth * std::pow(std::clamp(c.target.value / vertical, 0.3, 3.0), 2.0 / 3.0);
     if (k > 0 && off != last_off) next = depth - off * (depth - last) / (off - last_off);
     if (!(next > low && next < high)) next = high < infinity ? 0.5 * (low + high) : 2.0 * low;

@@ -1,4 +1,4 @@
-/// @file evaluate_patch.h  Every chosen normal model times every chosen tangential model on one case.
+/// @file evaluate_patch.h  Evaluates every pair of chosen normal and tangential models on one case.
 #pragma once
 #include <memory>
 #include <optional>
@@ -21,7 +21,7 @@ struct PatchContact {
   std::shared_ptr<const BlockStress> stress;  ///< of finite elements, with the map
 };
 
-/// One line of the answer.
+/// Result of one pair of models.
 struct PatchResult {
   std::string normal, tangential;  ///< tangential empty: frictionless
   double normal_force = 0.0, approach = 0.0, max_pressure = 0.0, area = 0.0;
@@ -35,7 +35,7 @@ struct PatchResult {
   double error_estimate = 0.0;                ///< larger of: peak pressure, relative; force over mu N
   bool friction = false;                      ///< a tangential model was asked for
   std::vector<std::string> reasons;           ///< empty: valid
-  std::vector<std::string> notes;             ///< what a model did otherwise than written
+  std::vector<std::string> notes;             ///< deviations of a model from the case
   /// A contact was found; else `reasons` say why there is none.
   bool solved() const { return normal_force > 0.0; }
 };

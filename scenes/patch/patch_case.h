@@ -1,5 +1,4 @@
-/// @file patch_case.h  A case of `epafi patch`: one contact in statics, what loads it, and the models to be tried on
-/// it.
+/// @file patch_case.h  A case of `epafi patch`: one static contact, its load, and the models to compare.
 #pragma once
 #include <optional>
 #include <string>
@@ -32,7 +31,7 @@ struct PatchCase {
   struct Falling {
     double limit = 1.0, decay = 0.0;  ///< A, B [s/m]
     double speed = 0.0;               ///< V [m/s]
-  } falling;                          ///< how friction falls with the slip velocity (Polach 2005)
+  } falling;                          ///< decrease of friction with the slip velocity (Polach 2005)
   std::optional<double> yield;        ///< shear yield stress k [Pa]
   NormalTarget target;                ///< load [N] or approach [m]
   Creepage creepage;

@@ -12,7 +12,7 @@
 namespace epafi {
 namespace {
 
-/// Profiles meet to 1e-12 m, what doubles hold of heights of half a metre: below this [m] the gaps of a patch are
+/// Contact of profiles is found to 1e-12 m, the rounding error of heights of 0.5 m: below this approach [m] gaps are
 /// noise.
 constexpr double least_approach = 1e-9;
 
@@ -49,7 +49,7 @@ class QuadraticGap final : public GapSource {
   double A_, B_, y1_, y2_;
 };
 
-/// In words, why a wheel on this rail has no contact; empty where it has one.
+/// Text why a wheel on this rail has no contact; empty where it has one.
 std::string missing_contact(const WheelRailPair& pair, const ProfileCase& p, double shift) {
   switch (pair.missing()) {
     case WheelRailPair::Missing::nothing:
@@ -73,7 +73,7 @@ std::string missing_contact(const WheelRailPair& pair, const ProfileCase& p, dou
   return "";
 }
 
-/// The same for a wheelset that was to stand on both rails.
+/// The same for a wheelset on both rails.
 std::string missing_stand(const WheelRailPair& side, const ProfileCase& p) {
   for (const bool right : {false, true}) {
     WheelRailPair pair = side.on_side(right);
@@ -264,7 +264,7 @@ SlipBesidePlane PatchContactSolver::slip_beside_plane(const ContactRegion& regio
 
 Creepage PatchContactSolver::creepage(const ContactRegion& r) const {
   if (!c_.profiles || c_.profiles->creepage_given) return c_.creepage;
-  // the point of the wheel moves with V e_x + omega x r, omega = -(V / mean_radius) along the axle; the rail stands
+  // the point of the wheel moves with V e_x + omega x r, omega = -(V / mean_radius) along the axle; the rail is at rest
   const ProfileCase& p = *c_.profiles;
   const double yaw = p.position.yaw, w = 1.0 / mean_radius_;
   const Vec3 axle(-std::sin(yaw), std::cos(yaw), 0.0),

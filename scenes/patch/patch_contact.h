@@ -29,12 +29,12 @@ class PatchContactSolver {
   void seat(double down) { wheel_->seat(down); }
   /// Seats the wheel anew at this approach of the deepest region.
   void follow(double expected);
-  /// Whether the wheel stands as deep as a model has found; only those of the whole gap can tell.
+  /// True where the wheel's position agrees with a model's approach; only models of the whole gap give one.
   bool stands(const std::string& model, double found) const;
   bool has_wheel() const { return wheel_ && !wheel_->rigid.empty() && !too_shallow(); }
   /// Several regions far from each other overlap under the load, and the model solves each.
   bool apart(const std::string& model) const { return has_wheel() && wheel_->apart() && normal_model(model).whole_gap; }
-  /// Where its patches lie: creepages are those of there.
+  /// Positions of its patches, where creepages are evaluated.
   const std::vector<ContactRegion>& places(const std::string& model) const;
   /// Creepage at the middle of a patch: as given, or of the rigid wheelset rolling with its speed over its angular
   /// velocity.
@@ -43,14 +43,14 @@ class PatchContactSolver {
   /// leaves the plane between two hills of pressure by tenths of a millimetre, and the wheel's radius with it. Empty
   /// where the creepage is given.
   SlipBesidePlane slip_beside_plane(const ContactRegion& region, const NormalPatch& patch) const;
-  double depth() const { return wheel_->depth; }      ///< that the load brings the wheel down by, estimated [m]
-  double lowered() const { return wheel_->lowered; }  ///< that it is brought down by [m]
-  /// Of processor time: for the geometry, and since begin_pair() by solutions that were found before.
+  double depth() const { return wheel_->depth; }      ///< estimated displacement of the wheel by the load [m]
+  double lowered() const { return wheel_->lowered; }  ///< present displacement of the wheel [m]
+  /// Processor time [s] of the geometry, and since begin_pair() that of reused solutions.
   double seconds() const { return seconds_ + remembered_seconds_; }
   void begin_pair() { remembered_seconds_ = 0.0; }
 
   bool rough = false;                ///< strips need not settle yet: the wheel will be seated anew
-  std::vector<std::string> reasons;  ///< why nothing of this case should be trusted
+  std::vector<std::string> reasons;  ///< why no result of this case is valid
 
  private:
   /// A solution by finite elements, which take seconds: tangential models mostly ask for the same ones.

@@ -7,7 +7,7 @@
 namespace epafi {
 
 namespace {
-/// Roll to rolling_radius_difference; empty where the wheelset does not stand on both rails.
+/// Columns roll to rolling_radius_difference; empty where the wheelset does not touch both rails.
 std::string contact_cells(const WheelsetGeometry& g) {
   if (!g.stands) return ",,,,,,,,,";
   std::string out = fmt::format("{:.6g}", g.position.roll);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double least_width = 400.0;  // of a picture: its legend has room
 
-/// Stick 1, slip 2, outside 0.
+/// 1: stick, 2: slip; 0 outside the patch.
 int state_of(const TractionMap& m, std::size_t k) { return m.sticks[k] ? 1 : 2; }
 
 std::string csv_of(const TractionMap& m) {
@@ -101,7 +101,7 @@ std::string vti_of(const TractionMap& m) {
   return out + "</CellData>\n</Piece>\n</ImageData>\n</VTKFile>\n";
 }
 
-/// A tenth, fifth or half of a power of ten, so that about five steps make the length.
+/// 1/10, 1/5 or 1/2 of a power of ten, so that the length has about five ticks.
 double tick_step(double length) {
   const double raw = length / 5.0, power = std::pow(10.0, std::floor(std::log10(raw)));
   for (const double factor : {1.0, 2.0, 5.0})
@@ -142,7 +142,7 @@ class PatchPicture {
   double px(double x) const { return left + (x - g_.x0) * scale_; }
   double py(double y) const { return top + (y - g_.y0) * scale_; }
 
-  /// Where the patch sticks (dark) and slips (light); tractions as lines from dots, at most 24 in a row.
+  /// Draws stick (dark) and slip (light), and tractions as lines from dots, at most 24 in a row.
   void cells() {
     const double cw = g_.dx * scale_, ch = g_.dy * scale_;
     const std::size_t each = std::max<std::size_t>(1, std::max(g_.nx, g_.ny) / 24);
@@ -163,7 +163,7 @@ class PatchPicture {
     body_ += "<g class=\"traction\">\n" + arrows + "</g>\n";
   }
 
-  /// share: of the largest.
+  /// share: relative to the largest traction.
   std::string traction(double x, double y, double share_x, double share_y) const {
     return fmt::format(
         "<circle cx=\"{0:.2f}\" cy=\"{1:.2f}\" r=\"1.5\"/><line x1=\"{0:.2f}\" y1=\"{1:.2f}\" x2=\"{2:.2f}\" "
@@ -208,7 +208,7 @@ class PatchPicture {
     body_ += "</g>\n";
   }
 
-  /// Beside the axis there is room for its name.
+  /// True where the axis has room for its name.
   bool names_y() const { return high_ * scale_ > 200.0; }
 
   void legend_line(const std::string& mark, const std::string& text) {
@@ -217,7 +217,7 @@ class PatchPicture {
                          mark, text);
   }
 
-  /// Of what there is.
+  /// Legend of the items drawn.
   void legend() {
     if (!names_y()) legend_line("", "downwards: y, to the right [mm]");
     const double all = std::max(1.0, static_cast<double>(sticking_ + slipping_));

@@ -84,7 +84,7 @@ std::vector<Field> patch_fields() {
 std::vector<Field> patch_contact_fields() {
   return {number("friction", "mu", "", {0.0, 10.0}, "coefficient of friction, at rest if it falls with slip"),
           number("friction_limit", "A", "", unit_interval, "friction at high slip velocity over that at rest"),
-          number("friction_decay", "B", "s/m", not_negative, "how fast friction falls with slip velocity"),
+          number("friction_decay", "B", "s/m", not_negative, "decay of friction with slip velocity"),
           number("speed", "V", "m/s", not_negative, "rolling speed, for friction that falls with slip velocity")};
 }
 

@@ -108,7 +108,7 @@ std::optional<Profile> read_profile_keys(Reading& reading, TableValues v, const 
   return std::move(built.value);
 }
 
-/// Dimensions that no track has, models of it included: millimetres written as metres.
+/// Warns of dimensions that no track has, nor a scale model: millimetres written as metres.
 void check_dimensions(Reading& reading, const TableValues& patch, ProfileCase& c) {
   constexpr double largest = 3.0;
   const std::pair<const char*, double> all[] = {{"wheel radius", c.track.radius},
@@ -123,7 +123,7 @@ void check_dimensions(Reading& reading, const TableValues& patch, ProfileCase& c
     reading.warning(patch.place, text);
     c.doubts.push_back(text);
   }
-  // wheels are a quarter of their radius wide, rails a twentieth of the gauge; inches called mm make 1/25 of it
+  // wheels have a width of 1/4 of their radius, rails of 1/20 of the gauge; inches read as mm give 1/25 of that
   const std::pair<const char*, std::string> widths[] = {
       {"wheel_profile", scale_remark(c.wheel.y_max() - c.wheel.y_min(), c.track.radius, 0.03)},
       {"rail_profile", scale_remark(c.rail.y_max() - c.rail.y_min(), c.track.gauge, 0.008)}};
@@ -134,7 +134,7 @@ void check_dimensions(Reading& reading, const TableValues& patch, ProfileCase& c
   }
 }
 
-/// The gauge of a rail without a gauge face is that of its last points, if the case says what it is.
+/// For a rail without a gauge face, the gauge of the case is taken at its last points.
 void check_gauge(Reading& reading, const TableValues& patch, const ProfileCase& c) {
   const std::string face = gauge_face_problem(c.rail, c.track, "[patch] gauge");
   if (face.empty()) return;
@@ -188,7 +188,7 @@ void set_profiles(Reading& reading, const TableValues& patch, PatchCase& out) {
   out.profiles = std::move(c);
 }
 
-/// Exactly one way to say what touches what.
+/// Requires exactly one description of the geometry.
 void set_geometry(Reading& reading, const TableValues& v, PatchCase& out) {
   if (v.written("radii") && v.written("semi_axes"))
     return reading.error(v.place, "[patch]: write one of radii = { x1, x2, y1, y2 } and semi_axes = { a, b }");

@@ -47,7 +47,7 @@ double SeatedWheel::estimate(const std::vector<ContactRegion>& on, const NormalT
 void SeatedWheel::settle(const NormalTarget& target) {
   if (rigid.empty()) return;
   settle_deepest(target);
-  // the deepest alone comes farther down than with others: what does not touch then does not touch at all
+  // a wheel on the deepest region alone lies lower than on several: regions without contact then have none at all
   std::vector<ContactRegion> others;
   for (std::size_t k = 1; k < rigid.size(); ++k) {
     ContactRegion& r = rigid[k];
@@ -71,7 +71,7 @@ void SeatedWheel::settle(const NormalTarget& target) {
 }
 
 bool SeatedWheel::joins_deepest(const ContactRegion& r) {
-  // as far as regions press on each other, along the rail
+  // extent along the rail in which regions influence each other
   ContactRegion& first = seated.front();
   if (!(std::abs(r.angle - first.angle) < alike)) return false;
   const double apart = std::abs(r.y_rail - first.y_rail), reach_before = reach_;
@@ -129,7 +129,7 @@ double SeatedWheel::vertical_force() {
 }
 
 void SeatedWheel::settle_all(double load) {
-  // forces grow about as the power 3/2 of the depth; kept between the deepest alone and nothing
+  // forces grow about as depth^(3/2); bracket: 0 and the depth of the deepest region alone
   double low = 0.0, high = depth;
   for (int k = 0; k < 40 && high - low > 1e-4 * high; ++k) {
     seat(depth);
@@ -151,7 +151,7 @@ void SeatedWheel::sample(std::size_t k) {
 }
 
 void SeatedWheel::seat(double down) {
-  // lowered along z it also moves along the plane: gaps sampled at another depth hold until that is 1e-3 of 20 um
+  // a wheel lowered along z also moves along the plane: sampled gaps stay valid up to 1e-3 of 20 um
   constexpr double sideways = 2e-8;
   pair.lower(down);
   lowered = down;

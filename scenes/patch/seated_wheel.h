@@ -1,4 +1,4 @@
-/// @file seated_wheel.h  One wheel on its rail as deep as its load brings it: all places where it then touches.
+/// @file seated_wheel.h  One wheel on its rail in the position under load, with all its contact regions.
 #pragma once
 #include <string>
 #include <vector>
@@ -17,25 +17,25 @@ class SeatedWheel {
 
   /// Finds the regions with the wheel just touching at this place; its height is found.
   void place(const WheelsetPosition& position);
-  /// Brings the wheel down as deep as this vertical load does, or to this approach of the deepest region.
+  /// Lowers the wheel to its position under this vertical load, or to this approach of the deepest region.
   void settle(const NormalTarget& target);
-  /// Brings it `down` from where it touches [m].
+  /// Lowers it by `down` from first touch [m].
   void seat(double down);
-  /// Patches of all regions that overlap, with the wheel as deep as it is; `in` says all but regions and target.
+  /// Patches of all overlapping regions in the present position; `in` holds everything but regions and target.
   std::vector<RegionPatch> solve(const NormalModel& model, NormalInput in);
   /// Radius at the patches, weighted by their forces [m]. It changes steadily where the rigid point jumps.
   double rolling_radius();
   bool apart() const { return seated.size() > 1; }
-  /// Approach along the normal over the way down: held sideways, the wheel comes down along z and not along the normal.
+  /// Approach along the normal over the vertical motion: the wheel moves along z, not along the normal.
   static double steepness(const ContactRegion& r) { return std::cos(r.angle); }
 
   WheelRailPair pair;
   std::vector<ContactRegion> rigid;   ///< at the rigid contact points, the deepest first
   std::vector<ContactRegion> seated;  ///< of regions that are solved apart, each from the middle of its patch
   double approach = 0.0;              ///< of the deepest region, estimated [m]
-  double depth = 0.0;                 ///< that the load brings the wheel down by [m]
-  double lowered = 0.0;               ///< that it is brought down by [m]
-  /// Of the last solutions, for the next round on the same load.
+  double depth = 0.0;                 ///< displacement of the wheel by the load [m]
+  double lowered = 0.0;               ///< present displacement [m]
+  /// Strips of the last solutions, as start of the next iteration on the same load.
   std::vector<StripStart> strips = std::vector<StripStart>(1);
 
  private:

@@ -1,4 +1,4 @@
-// The Python module `epafi`: load or build a scene, step it, look at its columns as NumPy arrays without copying.
+// The Python module `epafi`: load or build a scene, step it, access its columns as NumPy arrays without copying.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -19,7 +19,7 @@ namespace py = pybind11;
 namespace epafi {
 namespace {
 
-/// A scene as Python says it: dict, list, str, bool, int, float become TOML on one line.
+/// Converts a Python value (dict, list, str, bool, int, float) to TOML on one line.
 std::string toml_of(const py::handle& value) {
   if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "true" : "false";
   if (py::isinstance<py::int_>(value)) return py::str(value);
@@ -148,8 +148,8 @@ auto column(Get get, py::ssize_t width, bool writable = false) {
   return [=](const py::object& self) { return view<T>(get(self.cast<Run&>()), width, self, writable); };
 }
 
-/// Array of its own of what put(contacts, k, to) writes of each contact of the last step, `width` values: also of those
-/// that spheres have in a loop of their own.
+/// New array with `width` values for each contact of the last step, written by put(contacts, k, to); includes contacts
+/// of the loop over spheres.
 template <class T, class Put>
 auto of_contacts(py::ssize_t width, Put put) {
   return [=](Run& run) {

@@ -25,7 +25,7 @@ const Wheelset& wheelset_of(const Assembly& a, Slot s) {
   return *a.shapes->of<WheelProfile>()[ShapeRef{a.simulation->world.shape[s]}.index()].wheelset;
 }
 
-/// Way down along z by which half the load presses a wheel in; 0 for rigid contact or no load.
+/// Displacement along z of a wheel under half the load; 0 for rigid contact or no load.
 SinkOfRegion sink_of(const Assembly& a, Slot s, Slot track) {
   const World& w = a.simulation->world;
   if (a.scene.contact.method.value != Method::smooth || !w.is_movable(s))

@@ -1,4 +1,4 @@
-/// @file on_rails.h  Wheelsets of a scene and its track: placed on its rails at the start, and looked after in a run.
+/// @file on_rails.h  Wheelsets and the track of a scene: initial position on the rails, and detection of derailment.
 #pragma once
 #include <memory>
 #include <optional>
@@ -9,16 +9,16 @@
 
 namespace epafi {
 
-/// Height and roll of every body with `on_rails = true`: both wheels pressed into the rails by what the wheelset weighs
-/// and is pressed with, as Hertz' ellipse at the rigid contact has it (rigid contact: just touching). Throws SceneError
-/// where there is not one track, or where it does not stand.
+/// Computes height and roll of every body with `on_rails = true`: both wheels overlap the rails by Hertz's approach
+/// under weight and load (with rigid contact: just touching). Throws SceneError without exactly one track, or if there
+/// is no such position.
 void place_on_rails(Assembly& assembly);
 
-/// Says when a free wheelset has left the only track of a scene.
+/// Detects that a free wheelset has left the only track of a scene.
 class TrackWatch {
  public:
   explicit TrackWatch(const Assembly& assembly);
-  /// Of this step; looks only in one of eight, for leaving a track takes milliseconds.
+  /// Checks every eighth step, since derailment takes milliseconds.
   std::optional<Failure> look(std::uint64_t step);
 
  private:

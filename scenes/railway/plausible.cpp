@@ -22,7 +22,7 @@ std::size_t at_least(const std::vector<double>& y, double place) {
   return static_cast<std::size_t>(std::lower_bound(y.begin(), y.end() - 1, place) - y.begin());
 }
 
-/// Widths that no wheel or rail has: a wrong unit.
+/// Text on a width that no wheel or rail has, as by a wrong unit; empty where it is plausible.
 std::string wrong_unit(const ProfilePoints& p) {
   const double width = width_of(p);
   if (width >= shortest && width <= longest) return "";
@@ -40,7 +40,7 @@ double slope_of_end(const ProfilePoints& p, bool last) {
   return (p.z[outer] - p.z[inner]) / std::abs(p.y[outer] - p.y[inner]);
 }
 
-/// Where the flange is, looked for upwards (sign 1) or downwards (-1): its tip [m] and its height over the middle.
+/// The flange, searched upwards (sign 1) or downwards (-1): its tip [m] and its height over the middle.
 struct Flange {
   double tip = 0.0, height = 0.0;
   bool tread_right = true;  ///< more of the profile lies at larger y
@@ -64,7 +64,7 @@ double height_at_zero(const ProfilePoints& p) {
   return p.z[k - 1] + t * (p.z[k] - p.z[k - 1]);
 }
 
-/// Both ends fall away alike: a ball, or a disc with a round rim.
+/// True where both ends fall off alike, as of a ball or a disc with a round rim.
 bool is_round(const ProfilePoints& p, double sign) {
   const double middle = sign * p.z[at_least(p.y, 0.5 * (p.y.front() + p.y.back()))];
   const double left = sign * p.z.front() - middle, right = sign * p.z.back() - middle;
@@ -163,7 +163,7 @@ FourthDifference difference_at(const ProfilePoints& p, std::size_t k) {
   return out;
 }
 
-/// Of the distances between neighbours.
+/// Median distance of neighbours.
 double middle_step(const ProfilePoints& p) {
   std::vector<double> steps;
   for (std::size_t k = 1; k < p.y.size(); ++k) steps.push_back(p.y[k] - p.y[k - 1]);
@@ -172,11 +172,12 @@ double middle_step(const ProfilePoints& p) {
   return *middle;
 }
 
-/// What scatter of this size bends a spline by [1/m]: second differences of noise of one variance have sqrt(6) s / h^2.
+/// Curvature noise of a spline [1/m] by scatter of the points: second differences of white noise have the deviation
+/// sqrt(6) s / h^2.
 double bend_of(double scatter, double step) { return std::sqrt(6.0) * scatter / (step * step); }
 
-/// Wheel and rail bend by 5 /m together, and the peak of Hertz goes with the power 2/3 of about half of that: from 0.7
-/// /m on it is 5 % off.
+/// Wheel and rail have a combined curvature of 5 /m, and the Hertz peak goes with the power 2/3 of about half of that:
+/// it is 5 % off from 0.7 /m on.
 constexpr double most_bend = 0.7;
 
 }  // namespace
@@ -207,8 +208,8 @@ std::string outlier_remark(const ProfilePoints& p) {
   std::vector<FourthDifference> all(p.y.size());
   for (std::size_t k = 2; k + 2 < p.y.size(); ++k) all[k] = difference_at(p, k);
   const double noise = noise_of(p), step = middle_step(p);
-  // the height e of a point over the curve of the others is the fit of its own pattern to the five differences that it
-  // is in; a kink of a profile leaves a twentieth of their squares, a joint of two arcs more
+  // the height e of a point over the curve of the others is a least-squares fit to the five differences that contain
+  // it; a kink of a profile leaves 1/20 of their squares, a joint of two arcs more
   constexpr double alone = 100.0, over_noise = 10.0;
   double worst = 0.0;
   std::size_t where = 0;

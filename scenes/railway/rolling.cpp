@@ -60,7 +60,7 @@ std::vector<SpringElement> springs_of(const Assembly& a) {
 
 namespace {
 
-/// Where springs are relaxed, and where their frames began.
+/// State of springs: relaxed positions and the start of their frames.
 class SpringState final : public StateVisitor {
  public:
   std::vector<Vec3> relaxed;
@@ -131,7 +131,7 @@ void add_springs(Assembly& a) {
 
 namespace {
 
-/// Half of what a wheelset carries: its own loads, and the springs that press on it [N].
+/// Half the load of a wheelset: its own loads and the forces of springs [N].
 double wheel_load(const World& w, Slot s, const std::vector<SpringElement>& springs) {
   Vec3 force = w.free_acceleration(s) / w.inverse_mass[s];
   for (const SpringElement& e : springs) {
@@ -141,8 +141,8 @@ double wheel_load(const World& w, Slot s, const std::vector<SpringElement>& spri
   return std::max(1.0, 0.5 * force.norm());
 }
 
-/// Largest velocity that a unit of creep force at both wheels gives their contacts: along the track by mass and turning
-/// of the axle, across it by mass and roll, in turns by yaw.
+/// Largest velocity of the contacts per unit of creep force at both wheels: along the track by mass and rotation of the
+/// axle, across it by mass and roll, in yaw by the moment of inertia.
 double creep_mobility(double inverse_mass, const Vec3& inverse_inertia, double radius, double half) {
   const double turn = radius * radius * std::max(inverse_inertia.x(), inverse_inertia.y());
   return std::max(inverse_mass + turn, half * half * inverse_inertia.z());
@@ -187,7 +187,7 @@ TimeStep railway_step(const Assembly& a) {
   if (square == 0.0 && damping == 0.0) return out;
   const double omega = std::sqrt(square);
   out.reason = fmt::format("{}: omega = {:.4g} /s, damping {:.4g} /s", what, omega, damping);
-  // velocity Verlet's energy swings by (omega dt)^2 / 4: where springs alone decide by 0.6 %, of all that there is
+  // the energy of velocity Verlet oscillates by (omega dt)^2 / 4: by 0.6 % of all energy where springs alone decide
   const double share = what == "springs" ? 2.0 * std::numbers::pi / 40.0 : 0.3;
   out.value = std::min(omega > 0.0 ? share / omega : infinity, damping > 0.0 ? 0.5 / damping : infinity);
   if (a.scene.contact.method.value != Method::smooth) {

@@ -54,7 +54,7 @@ bool read_whole(const std::string& path, std::string& text, std::string& problem
   return true;
 }
 
-/// The included text below, the including text on top.
+/// The included file with keys overridden by the including one.
 Node merged(Node below, Node above) {
   for (auto& member : above.members) {
     const auto same =
@@ -122,7 +122,7 @@ Node Loader::merge_includes(Node own) {
   return merged(std::move(below), std::move(own));
 }
 
-/// The node that `key` leads to; a missing table is made on the way, so that an override can add a key.
+/// The node at `key`; creates missing tables, so that an override can add a key.
 Node* Loader::step_into(Node& node, const std::string& key, const Place& place, bool last) {
   if (node.type == Node::Type::table) {
     for (auto& member : node.members)

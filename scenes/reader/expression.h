@@ -11,7 +11,7 @@
 
 namespace epafi {
 
-/// What a name stands for. `failed`: it exists, but its own error has been reported.
+/// Value of a name. `failed`: it exists, but has an error that was reported.
 struct NameValue {
   enum class Status { found, unknown, failed };
   Status status = Status::unknown;

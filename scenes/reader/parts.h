@@ -21,7 +21,7 @@ struct Draft {
   std::vector<ChangeOfBodies> body_changes{};
   std::size_t stage_of_gravity = 0;                 ///< the last one that sets it
   std::string start_run{};                          ///< as ReadOptions has it
-  std::shared_ptr<struct MadeRun>* made = nullptr;  ///< that [start] speaks of, kept for all stages
+  std::shared_ptr<struct MadeRun>* made = nullptr;  ///< the run named by [start], kept for all stages
 };
 
 void read_run(Draft& draft);
@@ -40,17 +40,17 @@ struct BodyFile {
 };
 void read_polyset(Draft& draft, const BodyFile& file);
 void read_fills(Draft& draft);
-void read_stages(Draft& draft);        ///< how long each lasts
-void read_start(Draft& draft);         ///< [start]: what comes from another run
+void read_stages(Draft& draft);        ///< their durations
+void read_start(Draft& draft);         ///< [start]: data from another run
 void read_stage_bodies(Draft& draft);  ///< body.NAME of stages, when all bodies are there
-void check_stage(Draft& draft);        ///< what needs the measures
+void check_stage(Draft& draft);        ///< checks that need the measures
 void read_outlets(Draft& draft);
 void read_springs(Draft& draft);
 void read_measures(Draft& draft);
 void read_bounds(Draft& draft);
 void read_studies(Draft& draft);  ///< [sweep], [benchmark], [output]
 void read_view(Draft& draft);
-/// What needs all bodies: restitution and friction of pairs that can touch, densities of free bodies.
+/// Checks that need all bodies: restitution and friction of pairs that can touch, densities of free bodies.
 void check_pairs(Draft& draft);
 
 /// `motion` of a body: a table or a list of them. No parts and no servo: an empty list, the body is not driven.
@@ -62,7 +62,7 @@ MotionsRead read_motions(Reading& reading, const Node& node, const std::string& 
 /// Rows of `table` or `file` of an item, in SI.
 std::optional<MotionTable::Rows> read_time_rows(Reading& reading, const Node& item, const TableValues& v,
                                                 const std::string& unit, const std::string& label);
-/// A value that follows time, or in part.
+/// A value that depends on time, at least in part.
 struct TimedVector {
   Vec3 steady = Vec3::Zero();
   TimeVector loose;
@@ -73,7 +73,7 @@ void read_body_loads(Reading& reading, const Node& item, const TableValues& v, c
                      BodySpec& body);
 /// measure, component, above or below, for.
 Condition read_condition(Reading& reading, const TableValues& v, const std::string& prefix, const std::string& label);
-/// Its measure is there.
+/// Checks that its measure exists.
 void check_condition(Draft& draft, const Condition& condition, const Place& place, const std::string& label);
 
 /// The table of that name (dots step inwards) or null; reports what is not a table.
@@ -93,7 +93,7 @@ std::optional<std::size_t> find_shape(Draft& draft, const std::string& name, con
 /// Notes that free bodies have the shape: a mesh becomes a solid.
 void let_move(Draft& draft, std::size_t shape);
 
-/// Whether a shape by that name is a wall only: it has no volume, so that it cannot move freely.
+/// True where shapes of this form are walls only: without a volume they cannot move freely.
 bool is_only_wall(const std::string& form);
 /// A shape by name or written in place.
 std::optional<std::size_t> read_shape_value(Draft& draft, const Node& node, const std::string& label);
@@ -101,7 +101,7 @@ std::optional<std::size_t> read_shape_value(Draft& draft, const Node& node, cons
 std::optional<std::size_t> add_shape(Draft& draft, const Node& table, const std::string& name,
                                      const std::string& label);
 
-/// The last group may be one of the run that the scene starts from: its bodies then take the places of those.
+/// The last group may be one of the run that the scene starts from; its bodies then replace those.
 void settle_imported(Draft& draft);
 
 /// Reports a group name that is taken.

@@ -35,7 +35,7 @@ struct BodyTable {
   BodySpec loads{};  ///< its force and load
 };
 
-/// What is not among the plain values; of a copy only where its index stands in them.
+/// Reads keys that are not plain values; for a copy, only those that contain its index.
 void read_moves(Reading& reading, const TableValues& v, BodyTable& table) {
   const Since since{table.item.stage, 0.0};
   table.motion = {};
@@ -77,7 +77,7 @@ std::optional<BodySpec> make_body(Draft& draft, const BodyTable& table, const Ta
   return body;
 }
 
-/// What does not go together, once per table.
+/// Reports keys that exclude each other, once per table.
 void check_body(Draft& draft, const BodySpec& body, const TableValues& v, const std::string& label) {
   Reading& reading = draft.reading;
   if (body.fixed && (body.motion || body.servo))
@@ -104,8 +104,7 @@ void check_body(Draft& draft, const BodySpec& body, const TableValues& v, const 
   }
 }
 
-/// Reads the whole table once, then for each copy only the keys that use an index: 10^5 bodies take a fraction of a
-/// second.
+/// Reads the whole table once, then per copy only keys with an index: 10^5 bodies take a fraction of a second.
 void read_body(Draft& draft, const Node& item) {
   Reading& reading = draft.reading;
   const std::string label = item_label("body", item);
@@ -187,7 +186,7 @@ std::optional<std::size_t> index_in(const std::string& name, const std::string& 
   return std::stoul(digits);
 }
 
-/// The body of that name; of a table repeated by two or three counts NAME[n] is its n-th body, in the order of the
+/// Adds the body of that name; in a table repeated by two or three counts NAME[n] is its n-th body, in the order of the
 /// file.
 void add_copy(NamedBodies& found, const GroupSpec& group, const std::string& name) {
   for (std::size_t k = 0; k < group.count; ++k)
@@ -196,7 +195,7 @@ void add_copy(NamedBodies& found, const GroupSpec& group, const std::string& nam
   if (number && group.repeat.size() > 1 && *number < group.count) found.bodies.push_back({group.first + *number, 1});
 }
 
-/// "stack[0] to stack[9]" where a body of that group is named wrongly.
+/// Text such as "stack[0] to stack[9]" for a wrong name of a body of that group.
 std::string names_of_copies(const Scene& scene, const std::string& name) {
   for (const GroupSpec& group : scene.groups)
     if (!group.name.empty() && group.count > 0 && name.starts_with(group.name + "[") && !group.repeat.empty())
@@ -204,7 +203,7 @@ std::string names_of_copies(const Scene& scene, const std::string& name) {
   return {};
 }
 
-/// A table of that name stands in the file and was reported as wrong: who names it has made no other mistake.
+/// True where a table of that name was reported as wrong: its use is not a second error.
 bool is_written(const Reading& reading, const std::string& name) {
   const std::string plain = name.substr(0, name.find('['));
   for (const char* list : {"body", "bodies", "fill"}) {

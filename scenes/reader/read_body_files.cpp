@@ -16,7 +16,7 @@ namespace {
 
 using Cell = RowFile::Cell;
 
-/// One file being read.
+/// Reader of one file.
 struct Rows {
   Draft& draft;
   std::string label;
@@ -45,7 +45,7 @@ struct Rows {
   void enter_group();
 };
 
-/// place: of the file's name in the scene.
+/// place: where the scene names the file.
 bool Rows::check_header(const Place& place) {
   const std::size_t errors = draft.reading.errors();
   const auto& columns = table.columns();
@@ -83,7 +83,7 @@ double Rows::length(const std::string& column) {
   return value;
 }
 
-/// Of column shape: a name, or a table as it may stand in a scene.
+/// Shape of column `shape`: a name, or a table as in a scene.
 std::optional<std::size_t> Rows::named_shape() {
   const Cell& cell = row.at("shape");
   if (const auto found = written_shapes.find(cell.text); found != written_shapes.end()) return found->second;
@@ -123,7 +123,7 @@ std::optional<std::size_t> Rows::shape_of_row() {
   return shape;
 }
 
-/// Rows that name a group make one of their own; those of one name stand together.
+/// Begins a group where the group's name of a row changes; rows of a group are adjacent.
 void Rows::enter_group() {
   auto& groups = draft.scene.groups;
   const std::string name = has("group") ? row.at("group").text : "";
@@ -192,7 +192,7 @@ void read_rows(Rows& rows, const std::string& file, const Place& place) {
     reading.error(place, "the file '" + file + "' has no body");
 }
 
-/// Displaces the bodies from `first` on by chance: a random start for bodies whose places stand in a file.
+/// Displaces the bodies from `first` on at random, by at most `jitter` [m] per axis.
 void displace(Scene& scene, std::size_t first, double jitter) {
   if (jitter == 0.0) return;
   for (std::size_t k = first; k < scene.bodies.size(); ++k) {
@@ -201,7 +201,7 @@ void displace(Scene& scene, std::size_t first, double jitter) {
   }
 }
 
-/// Of a file of bodies, in small letters; none after an error: another kind of file, or none is there.
+/// Extension of a file of bodies in lower case; none after an error: unknown kind, or missing file.
 std::optional<std::string> ending_of(Reading& reading, const std::string& path, const Place& place,
                                      const std::string& label) {
   std::string ending = std::filesystem::path(path).extension().string();

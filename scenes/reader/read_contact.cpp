@@ -14,7 +14,7 @@ bool contains(const std::vector<Field>& fields, const std::string& name) {
   return std::any_of(fields.begin(), fields.end(), [&](const Field& f) { return f.name == name; });
 }
 
-/// The text of a key, before its table is read: it decides which fields the table has.
+/// The text of a key that decides which fields its table has; read before the table.
 std::string peek(const Node& table, const std::string& key) {
   const Node* node = table.find(key);
   return node ? node->text : std::string{};
@@ -44,7 +44,7 @@ void keep_used(const TableValues& values, const std::vector<Field>& used, const 
   }
 }
 
-/// A table of the method that the scene does not run by.
+/// Warns of a table for the method that the scene does not use.
 void warn_of_unused(Reading& reading, const std::string& table, const char* method) {
   if (const Node* node = find_table(reading, table))
     reading.warning(node->place, "[" + table + "] is not used by method '" + method + "'");
@@ -208,7 +208,7 @@ void warn_idle(Draft& draft) {
                                                      "' does nothing where no pair has a rolling_friction");
 }
 
-/// How many bodies a material has.
+/// Number of bodies of a material.
 struct Census {
   std::size_t all = 0, free = 0;
 };

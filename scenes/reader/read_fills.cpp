@@ -35,7 +35,7 @@ void read_amount(Reading& reading, const TableValues& values, const std::string&
   if (written != 1) reading.error(values.place, label + ": write exactly one of count, mass, until");
 }
 
-/// Shares of mass as shares of number: a body of factor f weighs f^3.
+/// Converts shares of mass to shares of number: mass is proportional to f^3 for a size factor f.
 void shares_of_number(const TableValues& v, FillSpec::Size& size) {
   if (v.text("size.by") != "mass") return;
   for (std::size_t k = 0; k < size.shares.size(); ++k)

@@ -12,7 +12,7 @@ bool takes(const Entry& entry, const std::string& name) {
   return std::any_of(entry.fields.begin(), entry.fields.end(), [&](const Field& f) { return f.name == name; });
 }
 
-/// Keeps the fields of the kind; reports what it needs and does not get, warns of what it does not use.
+/// Keeps the fields of the kind; reports missing ones, warns of unused ones.
 void keep_fields(Reading& reading, const TableValues& values, const Entry& entry, const std::string& label,
                  Parameters& out) {
   const auto belongs = [](const std::string& key, const std::string& name) {
@@ -35,14 +35,14 @@ void keep_fields(Reading& reading, const TableValues& values, const Entry& entry
   }
 }
 
-/// A periodic domain that an error, told at its place, left out.
+/// True where the scene has a periodic domain that was left out after an error.
 bool has_unread_cell(const Draft& draft) {
   const Node* world = draft.reading.root.find("world");
   const Node* domain = world ? world->find("domain") : nullptr;
   return !draft.scene.cell && draft.reading.errors() > 0 && domain && domain->find("periodic");
 }
 
-/// The region that a measure needs, the outlet that it names.
+/// Checks that the region of a measure is given and its outlet exists.
 void check_places(Draft& draft, const TableValues& values, const Entry& entry, const Parameters& p,
                   const std::string& label) {
   Reading& reading = draft.reading;
@@ -66,7 +66,7 @@ void check_places(Draft& draft, const TableValues& values, const Entry& entry, c
   }
 }
 
-/// The one body with axes of its own that a measure is seen from.
+/// The body whose frame a measure uses; exactly one, with an orientation.
 NamedBodies read_reference(Draft& draft, const TableValues& values, const std::string& label) {
   const std::string& name = values.text("relative_to");
   const Place place = values.place_of("relative_to");
@@ -82,7 +82,7 @@ NamedBodies read_reference(Draft& draft, const TableValues& values, const std::s
   return found;
 }
 
-/// Of a measure between two: one body, named twice, has no contact with itself.
+/// Checks a measure between two: a body has no contact with itself.
 void check_two(Draft& draft, const TableValues& values, const MeasureSpec& measure, const std::string& label) {
   const auto one = [](const NamedBodies& n) {
     return n.fills.empty() && n.bodies.size() == 1 && n.bodies[0].count == 1;
@@ -208,7 +208,7 @@ std::vector<BoundSpec> read_bound_table(Draft& draft, const std::string& name) {
   return bounds;
 }
 
-/// A key path that --set would take: its first step is a table of the scene, a parameter exists.
+/// Checks a key path as of --set: its first part is a table of the scene, a parameter exists.
 void check_path(Reading& reading, const std::string& path, const Place& place) {
   const std::size_t dot = path.find('.');
   const std::string first = path.substr(0, dot);

@@ -2,7 +2,7 @@
 ///   polyset 1 SEED N L          header; the rest of the line is for other programs
 ///   b NV NF MASS IXX IYY IZZ PX PY PZ QW QX QY QZ     one body: position of the centre of mass, orientation
 ///   v X Y Z                     NV vertices about the centre of mass [m]
-///   f A B C                     NF triangles; left out here: the hull of the vertices is the body
+///   f A B C                     NF triangles; not read: the body is the convex hull of the vertices
 /// Mass properties are computed from the vertices and the material's density, as for any polyhedron.
 #include <fmt/format.h>
 
@@ -32,7 +32,7 @@ struct Lines {
   Place place() const { return {file, number, 1}; }
 };
 
-/// `count` finite numbers behind the first word of the line; empty where there are fewer.
+/// `count` finite numbers after the first word of the line; empty where there are fewer.
 std::vector<double> numbers_of(const std::string& line, std::size_t count) {
   std::istringstream in(line);
   std::string word;

@@ -11,7 +11,7 @@ void read_scheme(Draft& draft, const TableValues& run) {
   Reading& reading = draft.reading;
   auto& scheme = draft.scene.run.scheme;
   scheme = run.placed_text("scheme");
-  // the method decides; [contact] is read later and reports what is wrong with it
+  // the method decides; its errors are reported later, with [contact]
   const Node* contact = reading.root.find("contact");
   const Node* method = contact ? contact->find("method") : nullptr;
   const bool nonsmooth = method && method->text == "nonsmooth";
@@ -20,7 +20,7 @@ void read_scheme(Draft& draft, const TableValues& run) {
   if (!scheme.written()) {
     scheme.value = of_method;
   } else if (!scheme.value.empty() && std::ranges::find(fitting, scheme.value) == fitting.end()) {
-    // one scene runs by both methods: what it says of the other one is no mistake
+    // a scene may hold keys of both methods, so this is no error
     reading.warning(scheme.place, "[run] scheme '" + scheme.value + "' is not used by method '" +
                                       (nonsmooth ? "nonsmooth" : "smooth") + "', which takes '" + of_method + "'");
     scheme.value = of_method;
@@ -64,7 +64,7 @@ void read_run(Draft& draft) {
 
 namespace {
 
-/// What makes a cell of the domain; along its axes the domain has no faces.
+/// Reads the periodic cell of the domain; the domain has no faces along periodic axes.
 void read_cell(Draft& draft, const TableValues& v, Domain& domain) {
   Reading& reading = draft.reading;
   const std::string label = "[world] domain";

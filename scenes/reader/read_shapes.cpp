@@ -10,7 +10,7 @@
 namespace epafi {
 namespace {
 
-/// The one form of the table: "sphere"; reported if there is none or more than one.
+/// The form of the table, as "sphere"; reported if there is none or more than one.
 const Entry* find_form(Reading& reading, const Node& table, const TableValues& values, const std::string& label) {
   const Entry* form = nullptr;
   for (const auto& entry : reading.registry.shapes) {
@@ -28,7 +28,7 @@ const Entry* find_form(Reading& reading, const Node& table, const TableValues& v
   return form;
 }
 
-/// File names become relative to the working directory; a file that is not there is reported.
+/// Makes file names relative to the working directory; reports a missing file.
 void resolve_file(Reading& reading, ShapeSpec& shape, const Place& place, const std::string& label) {
   if (!shape.parameters.has("file")) return;
   const std::string path = resolve_path(shape.parameters.text("file"), place, reading.main_file);
@@ -39,7 +39,7 @@ void resolve_file(Reading& reading, ShapeSpec& shape, const Place& place, const 
   reading.files.push_back(path);
 }
 
-/// "mm", "in" ... of the numbers in the shape's file.
+/// Checks the unit ("mm", "in" ...) of the numbers in the shape's file.
 void check_unit(Reading& reading, const ShapeSpec& shape, const Place& place, const std::string& label) {
   if (!shape.parameters.has("unit")) return;
   const std::string& text = shape.parameters.text("unit");
@@ -79,7 +79,7 @@ void check_clump(Reading& reading, const ShapeSpec& shape, const std::string& la
     reading.error(shape.place, label + ": mass and inertia are given together, centre with them, or none of them");
 }
 
-/// A clump of one ball about the origin is that ball: it has its bits, its step and the loop over spheres.
+/// Replaces a clump of one ball at the origin by a sphere, so that it has the same results and the loop over spheres.
 void simplify_clump(ShapeSpec& shape) {
   const Parameters& p = shape.parameters;
   if (!p.has("spheres") || p.numbers("spheres").size() != 4 || p.has("mass")) return;
@@ -90,7 +90,7 @@ void simplify_clump(ShapeSpec& shape) {
   shape.parameters.set("radius", ball[3]);
 }
 
-/// The profile, the track or what is wrong with their keys.
+/// Checks a profile or a track, and reports wrong keys.
 void check_railway(Reading& reading, ShapeSpec& shape, const TableValues& values, const std::string& label) {
   const std::string prefix = shape.type + ".";
   for (const char* key : {"file", "irregularity.file"}) {

@@ -75,7 +75,7 @@ void read_stages(Draft& draft) {
 
 namespace {
 
-/// No body of the name is there any more.
+/// True where no body of the name exists any more.
 bool are_gone(const Scene& scene, const NamedBodies& named) {
   const auto removed = [](const BodyChange& change) { return change.remove && !change.one; };
   bool any = false;
@@ -138,7 +138,7 @@ BodyChange read_change(Draft& draft, const ChangeOfBodies& change, const TableVa
 
 }  // namespace
 
-/// Once for all bodies of the name: expressions of i, j, k are those of the body's own table.
+/// Reads the changes once for all bodies of the name: expressions of i, j, k refer to the body's own table.
 void read_stage_bodies(Draft& draft) {
   Reading& reading = draft.reading;
   const auto& all = reading.schema.at("body").fields;

@@ -1,6 +1,5 @@
-/// @file read_start.cpp  [start]: bodies of a run that has been made come before those of this scene, in the order that
-/// they had there. A body or fill of this scene with the name of one of them says anew what it is; place and motion are
-/// those of the run.
+/// @file read_start.cpp  [start]: bodies of an earlier run come before those of this scene, in their order. A body or
+/// fill of this scene with the same name redefines them; position and velocity are those of the run.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,13 +14,13 @@
 namespace epafi {
 namespace {
 
-/// Relative to the scene file, else to where the program was started.
+/// Path relative to the scene file, else to the working directory.
 std::string find_run(Reading& reading, const std::string& name, const Place& place) {
   const std::string beside = resolve_path(name, place, reading.main_file);
   return std::filesystem::exists(beside) ? beside : name;
 }
 
-/// What the bodies of the run become in this scene.
+/// Imports the bodies of the run into this scene.
 struct Import {
   Draft& draft;
   const MadeRun& made;
@@ -41,7 +40,7 @@ struct Import {
     }
   }
 
-  /// Names that this scene has given to shapes of its own are its own.
+  /// Adds the shapes of the run; names used in this scene stay with its own shapes.
   void shapes_of_run() {
     shapes = draft.scene.shapes.size();
     for (ShapeSpec shape : there().shapes) {
@@ -51,14 +50,14 @@ struct Import {
     }
   }
 
-  /// Axes that stand in space go with the bodies.
+  /// Moves axes that are fixed in space along with the bodies.
   std::vector<Motion> moved(std::vector<Motion> parts) const {
     for (Motion& part : parts)
       if (part.rotation_about) *part.rotation_about += start.move;
     return parts;
   }
 
-  /// Of the spec as it was written there.
+  /// Adds a body by its specification in the run's scene.
   void add(BodySpec body, BodyId id, std::size_t group) {
     const World& w = world();
     const Slot s = w.slot_of(id);
@@ -104,7 +103,7 @@ struct Import {
       add(there().bodies[k], made.assembly->id_of(k), draft.scene.groups.size() - 1);
   }
 
-  /// Those that come behind the last one that has been poured: a snapshot does not say how far the source is.
+  /// Number of bodies after the last one poured: a snapshot does not hold the state of the source.
   std::size_t not_poured(const PourBodies& source) const {
     const auto& bodies = source.setup().bodies;
     if (!start.time) return bodies.size() - source.poured();
@@ -134,7 +133,7 @@ struct Import {
       start.dropped.push_back(fmt::format("{} bodies of '{}' that had not been poured yet", waiting, fill.name));
   }
 
-  /// In the order of their ids.
+  /// Adds all bodies in the order of their ids.
   void all() {
     struct Part {
       BodyId first;
@@ -152,7 +151,7 @@ struct Import {
   }
 };
 
-/// Bodies that are not named, or not in the region, are left out; those that stay keep names and numbers.
+/// Removes bodies that are not named or not in the region; the others keep names and numbers.
 void select(Draft& draft, const TableValues& v) {
   auto& bodies = draft.scene.bodies;
   std::vector<char> keep(bodies.size(), v.has("bodies") ? 0 : 1);
@@ -187,7 +186,7 @@ void select(Draft& draft, const TableValues& v) {
   if (left > 0 && draft.stage == 0) draft.scene.changes_bodies = true;
 }
 
-/// Keys that would be passed over.
+/// Reports keys that would be ignored.
 void check_keys(Reading& reading, const Node* table, const Node* from, const TableValues& v) {
   if (from && from->type == Node::Type::table)
     for (const Member& m : table->members)
@@ -256,8 +255,8 @@ bool same_place(const BodySpec& a, const BodySpec& b) {
   return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs() && a.size == b.size;
 }
 
-/// The imported group that a table of this scene speaks of: of the same name, or, where neither has one, of bodies of
-/// the same shape in the same places.
+/// The imported group that a table of this scene redefines: of the same name, or, where neither has one, of the same
+/// shape at the same positions.
 std::optional<std::size_t> imported_like(const Draft& draft, std::size_t own) {
   const Scene& scene = draft.scene;
   const GroupSpec& group = scene.groups[own];

@@ -17,15 +17,15 @@ namespace {
 const std::vector<std::string> row_axes{"t", "x", "y", "z"};
 constexpr double standard_gravity = 9.80665;  // [m/s^2]: accelerograms come in g
 
-/// Which column of a row is t, x, y and z; none where there is none.
+/// Index of the columns t, x, y, z in a row; none where a column is missing.
 using Columns4 = std::array<std::optional<std::size_t>, 4>;
 
-/// Columns by their names where all are among t, x, y, z, else in that order.
+/// Names of the columns to read; empty where the scene gives none.
 std::vector<std::string> wanted_columns(const TableValues& v, const std::string& prefix) {
   return v.has(prefix + "columns") ? v.texts(prefix + "columns") : std::vector<std::string>{};
 }
 
-/// axis[k]: of the k-th of `names`.
+/// Index in t, x, y, z of each name; by position where some name is none of these.
 std::vector<std::size_t> axes_of(const std::vector<std::string>& names) {
   std::vector<std::size_t> out;
   for (std::size_t k = 0; k < names.size(); ++k) {
@@ -81,7 +81,7 @@ void read_written_rows(RowReader& out, const Node& table, const std::vector<std:
   }
 }
 
-/// By the header; of those that are not asked for by name, t is needed.
+/// Finds the columns by the header; t is required, unless columns are chosen by name.
 std::optional<Columns4> find_columns(RowReader& out, const std::vector<TextCell>& cells,
                                      const std::vector<std::string>& columns, const Place& place) {
   std::vector<std::string> header;
@@ -148,7 +148,7 @@ void read_file_rows(RowReader& out, const std::string& path, const Place& from,
   }
 }
 
-/// Factor of the unit that the rows are written in.
+/// Factor to SI of the unit of the rows.
 std::optional<double> unit_factor(Reading& reading, const TableValues& v, const std::string& prefix,
                                   const std::string& unit, const std::string& label) {
   if (!v.has(prefix + "unit")) return 1.0;
@@ -336,7 +336,7 @@ bool follows_time(const Reading& reading, const Node& node) {
 
 namespace {
 
-/// Straight lines between rows, the first and the last value before and behind.
+/// Linear interpolation between rows; constant before the first and after the last.
 TimeVector interpolation(MotionTable::Rows rows) {
   return [rows = std::make_shared<const MotionTable::Rows>(std::move(rows))](double t) -> Vec3 {
     const auto& times = rows->time;

@@ -14,7 +14,7 @@ bool speaks_of_index(const std::string& text) {
 
 bool is_expression(const std::string& text) { return text.find('=') != std::string::npos; }
 
-/// "ball[i + 1]": its name and what stands between the brackets; nothing where no index is spoken of.
+/// Name and index expressions of "ball[i + 1]"; empty where there is no index.
 struct IndexedName {
   std::string name, inside;
 };
@@ -29,7 +29,7 @@ std::optional<IndexedName> indexed_name(const Node& node) {
   return IndexedName{node.text.substr(0, open), inside};
 }
 
-/// The places of commas outside of parentheses part the expressions.
+/// Splits a list of expressions at commas outside parentheses.
 std::vector<std::string> parts_at_commas(const std::string& text) {
   std::vector<std::string> parts{""};
   int depth = 0;
@@ -43,7 +43,7 @@ std::vector<std::string> parts_at_commas(const std::string& text) {
   return parts;
 }
 
-/// The name with its indices worked out; as it stands where they are wrong, which is reported.
+/// The name with its indices evaluated; unchanged where they are wrong, which is reported.
 std::string resolved(Reading& reading, const Node& node, const IndexedName& name, const std::string& label) {
   std::string numbers;
   for (const std::string& part : parts_at_commas(name.inside)) {
@@ -68,7 +68,7 @@ void resolve_names(Reading& reading, Node& node, const std::string& label) {
   for (Member& member : node.members) resolve_names(reading, member.value, label);
 }
 
-/// The copy's own name: NAME[i], NAME[i,j] ...
+/// Sets the name of a copy: NAME[i], NAME[i,j] ...
 void set_name(Node& copy, const std::string& other_name, const Index3& at, std::size_t dimensions) {
   std::string index;
   for (std::size_t d = 0; d < dimensions; ++d) index += (d > 0 ? "," : "") + std::to_string(at[d]);
@@ -88,7 +88,7 @@ bool stands_with(const Place& a, const Place& b) {
   return a.file == b.file && a.line == b.line && a.column == b.column;
 }
 
-/// Of a later copy: what the first has reported at the same place is not reported again.
+/// Drops problems of a later copy that the first one has reported at the same place.
 void drop_repeated(std::vector<Problem>& problems, std::size_t first, std::size_t own) {
   const auto repeated = [&](const Problem& p) {
     return std::any_of(problems.begin() + static_cast<std::ptrdiff_t>(first),

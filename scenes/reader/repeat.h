@@ -1,6 +1,6 @@
-/// @file repeat.h  `repeat` of a table: n copies, or l m n of them, told apart by i, j, k in their expressions.
-/// A name such as "ball[i + 1]" or "grid[i, j]" is that of one body of a repeated one: what stands between the brackets
-/// is worked out where it speaks of i, j or k.
+/// @file repeat.h  `repeat` of a table: n copies, or l m n of them, with indices i, j, k in their expressions. A name
+/// such as "ball[i + 1]" or "grid[i, j]" is that of one copy of a repeated body; expressions of i, j or k in the
+/// brackets are evaluated.
 #pragma once
 #include <array>
 #include <functional>

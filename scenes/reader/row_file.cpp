@@ -15,7 +15,7 @@
 namespace epafi {
 namespace {
 
-/// Small letters and digits of a name; a unit in brackets is left out.
+/// A name reduced to lower-case letters and digits, without a unit in brackets.
 std::string plain_name(const std::string& name) {
   std::string out;
   for (const char c : name.substr(0, name.find_first_of("[("))) {
@@ -25,13 +25,13 @@ std::string plain_name(const std::string& name) {
   return out;
 }
 
-/// "mm" of "PosX[mm]", "" where none is written.
+/// The unit in a name: "mm" of "PosX[mm]", "" where there is none.
 std::string unit_in(const std::string& name) {
   const auto begin = name.find_first_of("[("), end = name.find_last_of("])");
   return begin != name.npos && end != name.npos && end > begin ? name.substr(begin + 1, end - begin - 1) : "";
 }
 
-/// Our column for a name in plain letters; "" for what says nothing of position, motion, size.
+/// Epafi's column for a plain name; "" for one that is not position, motion or size.
 std::string own_name(const std::string& name) {
   static const std::map<std::string, std::string> names = [] {
     std::map<std::string, std::string> all;
@@ -50,7 +50,7 @@ std::string own_name(const std::string& name) {
   return found == names.end() ? "" : found->second;
 }
 
-/// Of the numbers in a column.
+/// SI unit of a column.
 std::string si_unit(const std::string& column) {
   if (column[0] == 'v' && column.size() == 2) return "m/s";
   if (column[0] == 'w' && column.size() == 2) return "rad/s";
@@ -59,7 +59,8 @@ std::string si_unit(const std::string& column) {
 
 bool is_word(const std::string& column) { return column == "shape" || column == "material" || column == "group"; }
 
-/// A comma before a semicolon: tables in braces hold neither outside quotes.
+/// Separator of a line: comma, else semicolon, else blank. Tables in braces hold commas and semicolons within quotes
+/// only.
 char separator_of(const std::string& line) {
   for (const char c : {',', ';'})
     if (cells_of_line(line, c).size() > 1) return c;
@@ -70,7 +71,8 @@ struct DumpUnits {
   const char* name;
   double length, time;  ///< [m], [s]
 };
-/// LAMMPS, command `units`; those of molecules are left out. lj: no units, taken for SI as a granular scene means them.
+/// LAMMPS, command `units`; styles for molecules are left out. lj: dimensionless, read as SI, as usual for granular
+/// scenes.
 constexpr DumpUnits dump_units[] = {
     {"si", 1.0, 1.0}, {"lj", 1.0, 1.0}, {"cgs", 1e-2, 1.0}, {"micro", 1e-6, 1e-6}, {"nano", 1e-9, 1e-9}};
 
@@ -118,7 +120,7 @@ bool RowFile::open() {
   return (is_dump_ ? open_dump() : open_text()) && reading_.errors() == errors;
 }
 
-/// The last frame's columns; its rows follow.
+/// Reads the columns of the last frame, whose rows follow.
 bool RowFile::open_dump() {
   std::streampos behind = -1;
   int header_line = 0;
@@ -163,7 +165,7 @@ bool RowFile::read_units(const std::string& name) {
                fmt::format("units '{}' are not read; of LAMMPS' units {}", name, fmt::join(names, ", ")));
 }
 
-/// The columns of a table: a line of names, a comment that holds them, or none.
+/// Reads the columns of a table: from a line of names, from a comment, or by default.
 bool RowFile::open_text() {
   std::vector<Cell> in_comment;
   do {
@@ -216,7 +218,7 @@ void RowFile::name_columns(const std::vector<Cell>& header, bool strict) {
   for (const Cell& cell : header) columns_.push_back(column_of(cell, strict));
 }
 
-/// strict: a name that is none of ours is an error, unless it has a unit: then another program wrote it.
+/// strict: an unknown name is an error, unless it has a unit: then another program wrote it.
 RowFile::Column RowFile::column_of(const Cell& cell, bool strict) const {
   Column column{own_name(plain_name(cell.text)), cell.text, cell.place};
   const std::string unit = unit_in(cell.text);
@@ -256,7 +258,7 @@ bool RowFile::next(std::vector<Cell>& cells) {
   return check_count();
 }
 
-/// A dump whose last frame lacks rows was cut off as it was written. Always false.
+/// Reports a dump whose last frame lacks rows, as after an interrupted write. Always returns false.
 bool RowFile::check_count() {
   if (announced_ && *announced_ != rows_)
     error({path_, announced_line_, 1},

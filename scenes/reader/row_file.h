@@ -1,6 +1,6 @@
 /// @file row_file.h  Tables of bodies as programs write them: CSV with commas, semicolons or tabs, columns between
-/// blanks, text exports of YADE, dumps of LAMMPS and LIGGGHTS (their last frame). What each column is follows from its
-/// name in the file, "Radius[m]" too, or from names that the scene gives.
+/// blanks, text exports of YADE, dumps of LAMMPS and LIGGGHTS (their last frame). The meaning of a column follows from
+/// its name in the file, such as "Radius[m]", or from names in the scene.
 #pragma once
 #include <fstream>
 #include <istream>
@@ -18,7 +18,7 @@ class RowFile {
     Place place;
   };
   struct Column {
-    std::string name;     ///< ours, "" where it says nothing of a body
+    std::string name;     ///< Epafi's name, "" for a column that is not used
     std::string written;  ///< in the file
     Place place;
     double factor = 1.0;  ///< to SI
@@ -34,9 +34,9 @@ class RowFile {
   bool open();
   const std::vector<Column>& columns() const { return columns_; }
   bool has_column(const std::string& name) const;
-  /// The cells of the next row, one a column. False at the end, or after an error, which is reported.
+  /// Reads the cells of the next row. False at the end, or after an error, which is reported.
   bool next(std::vector<Cell>& cells);
-  /// How many rows there may be from here on.
+  /// Upper bound of the number of remaining rows.
   std::size_t rows_ahead();
 
  private:

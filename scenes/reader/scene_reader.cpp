@@ -10,7 +10,7 @@
 namespace epafi {
 namespace {
 
-/// Names at the top of a file: those of tables without a dot, and `title`.
+/// Checks the names at the top of a file: `title`, `include` and tables.
 void check_top(Reading& reading) {
   std::vector<std::string> known{"title", "include"};
   for (const auto& table : reading.schema.tables)
@@ -29,7 +29,7 @@ void check_top(Reading& reading) {
     reading.error(title->place, std::string("title: expected a text, found ") + type_name(title->type));
 }
 
-/// The main file first, then others in the order they were met, then --set; inside a file by line.
+/// Sorts by file (main file, others in the order of reading, --set), then by line.
 void sort_by_place(std::vector<Problem>& problems, const std::string& main_file) {
   const auto rank = [&](const Problem& p) { return p.place.file == main_file ? 0 : is_override(p.place) ? 2 : 1; };
   std::stable_sort(problems.begin(), problems.end(), [&](const Problem& a, const Problem& b) {
@@ -38,7 +38,7 @@ void sort_by_place(std::vector<Problem>& problems, const std::string& main_file)
   });
 }
 
-/// The parts of one stage's scene, in the order in which they need each other.
+/// Reads the parts of one stage's scene, in the order of their dependences.
 void read_parts(Draft& draft) {
   for (const auto read :
        {read_run,      read_stages, read_world,      read_materials, read_contact,      read_detection, read_shapes,
@@ -61,7 +61,7 @@ void append_new(std::vector<Problem>& all, const std::vector<Problem>& more) {
     if (!is_known(all, p)) all.push_back(p);
 }
 
-/// What all stages are read from.
+/// Source from which all stages are read.
 struct StageSource {
   Node root;
   std::vector<Node> stages;  ///< none: the scene has no [[stage]]
@@ -117,7 +117,7 @@ std::optional<Scene> read_stage_of(StageSource& from, std::size_t stage, std::ve
   return sound ? std::optional(std::move(draft.scene)) : std::nullopt;
 }
 
-/// For whoever goes through the stages later.
+/// Function that reads any stage later.
 std::function<Scene(std::size_t)> reader_of(std::shared_ptr<StageSource> source) {
   return [source = std::move(source)](std::size_t stage) {
     std::vector<Problem> problems;
@@ -128,7 +128,7 @@ std::function<Scene(std::size_t)> reader_of(std::shared_ptr<StageSource> source)
   };
 }
 
-/// Of those that were read: shapes of the first stage are hashed with their parameters.
+/// Files read, without those of shapes of the first stage, which are hashed with their parameters.
 std::vector<std::string> files_beside_shapes(const Scene& scene, std::vector<std::string> files) {
   std::erase_if(files, [&](const std::string& file) {
     return std::ranges::any_of(scene.shapes, [&](const ShapeSpec& shape) {

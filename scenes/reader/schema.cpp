@@ -34,7 +34,7 @@ TableSchema run_table(const Registry& registry) {
       "time: how long and in which steps",
       {required("duration", "T", "s", Kind::number, positive, "simulated time"), step, scheme,
        with_default(required("allow_unstable", "", "", Kind::boolean, {},
-                             "accepts a time step above the limit, to see where it fails"),
+                             "accepts a time step above the limit, to study instability"),
                     Value(false)),
        optional("output_interval", "", "s", Kind::number, positive, "time between snapshots; default: duration / 100"),
        optional("checkpoint_interval", "", "s", Kind::number, positive,
@@ -129,14 +129,15 @@ TableSchema shape_table(const Registry& registry) {
 
 std::vector<Field> servo_fields() {
   return {
-      optional("force", "F", "N", Kind::number, positive, "force to press with, or stress and area"),
-      optional("stress", "", "Pa", Kind::number, positive, "stress to press with"),
+      optional("force", "F", "N", Kind::number, positive, "force of the wall, or stress and area"),
+      optional("stress", "", "Pa", Kind::number, positive, "stress in place of the force, with area"),
       optional("area", "", "m^2", Kind::number, positive, "area that the stress acts on"),
       optional("direction", "", "", Kind::vec3, {}, "direction of the force, any length; default: gravity"),
       optional("mass", "m", "kg", Kind::number, positive,
                "inertia of the wall; default: that of the body; not with gains"),
-      optional("gains", "", "", Kind::numbers, {},
-               "proportional [m/(N s)] and integral [m/(N s^2)] of a PI loop, which carries the force while it moves"),
+      optional(
+          "gains", "", "", Kind::numbers, {},
+          "proportional [m/(N s)] and integral [m/(N s^2)] of a PI controller, which carries the force while it moves"),
       optional("max_speed", "v", "m/s", Kind::number, positive,
                "speed without resistance; default: sqrt(F d/m), d the diameter of the smallest free body")};
 }
@@ -153,11 +154,11 @@ std::vector<Field> motion_fields() {
                                  required("frequency", "f", "Hz", Kind::number, not_negative, "frequency f")};
   return std::vector<Field>{
              with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "constant velocity"), Value(zero)),
-             with_default(required("from", "", "s", Kind::number, not_negative, "begin"), Value(0.0)),
-             optional("until", "", "s", Kind::number, positive, "end; default: the end of the run"),
-             table("rotation", "turning about an axis", std::move(rotation)),
-             table("oscillation", "swinging along a line", std::move(oscillation)),
-             table("servo", "pressing with a given force", servo_fields()),
+             with_default(required("from", "", "s", Kind::number, not_negative, "start time"), Value(0.0)),
+             optional("until", "", "s", Kind::number, positive, "end time; default: the end of the run"),
+             table("rotation", "rotation about an axis", std::move(rotation)),
+             table("oscillation", "oscillation along a line", std::move(oscillation)),
+             table("servo", "servo wall with a given force", servo_fields()),
              of,
              with_default(word("baseline",
                                "drift that is removed, so that the path ends at its start and at rest; quadratic: its "
@@ -165,7 +166,7 @@ std::vector<Field> motion_fields() {
                                {"none", "linear", "quadratic"}),
                           Value(std::string("none"))),
              with_default(
-                 required("repeats", "", "", Kind::number, {1, largest_integer}, "how often the table is repeated"),
+                 required("repeats", "", "", Kind::number, {1, largest_integer}, "number of repetitions of the table"),
                  Value(1.0))} +
          time_table_fields();
 }
@@ -254,31 +255,32 @@ TableSchema fill_table() {
       optional("mean", "", "", Kind::number, positive, "mean of normal and lognormal; default: 1"),
       optional("deviation", "", "", Kind::number, positive, "standard deviation of normal and lognormal"),
       optional("values", "", "", Kind::numbers, positive, "table: factors"),
-      optional("shares", "", "", Kind::numbers, positive, "table: how often each of the factors occurs"),
+      optional("shares", "", "", Kind::numbers, positive, "table: relative frequency of each factor"),
       with_default(word("by", "shares of the number of bodies or of their mass", {"number", "mass"}),
                    Value(std::string("number")))};
   Field full = word("until", "fills the region", {"full"});
   full.optional = true;
-  return {"fill",
-          TableSchema::Form::list,
-          "many bodies placed in a region; exactly one of count, mass, until",
-          {optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
-           required("shape", "", "", Kind::texts, {1, infinity}, "names under [shape.*]"),
-           optional("weights", "", "", Kind::numbers, positive, "how often each shape is taken"), group_field(),
-           table("size", "factor of the shape's size", size), text("material", "a name under [material.*]"),
-           optional("count", "n", "", Kind::integer, whole_positive, "number of bodies"),
-           optional("mass", "m", "kg", Kind::number, positive, "mass of all bodies"), full,
-           needed(table("region", "where the bodies are placed", region_box())),
-           with_default(word("method", "how the bodies are placed", {"lattice", "random", "pour"}),
-                        Value(std::string("lattice"))),
-           optional("rate", "", "1/s", Kind::number, positive, "pour: bodies per second"),
-           optional("mass_rate", "", "kg/s", Kind::number, positive, "pour: mass per second"),
-           with_default(required("from", "", "s", Kind::number, not_negative, "pour: begin"), Value(0.0)),
-           optional("seed", "", "", Kind::integer, seeds, "seed; default: that of [run]"),
-           with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity of all bodies"), Value(zero)),
-           with_default(required("velocity_deviation", "", "m/s", Kind::number, not_negative,
-                                 "standard deviation of each component of random velocities, with no total momentum"),
-                        Value(0.0))}};
+  return {
+      "fill",
+      TableSchema::Form::list,
+      "many bodies placed in a region; exactly one of count, mass, until",
+      {optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
+       required("shape", "", "", Kind::texts, {1, infinity}, "names under [shape.*]"),
+       optional("weights", "", "", Kind::numbers, positive, "relative number of bodies of each shape"), group_field(),
+       table("size", "factor of the shape's size", size), text("material", "a name under [material.*]"),
+       optional("count", "n", "", Kind::integer, whole_positive, "number of bodies"),
+       optional("mass", "m", "kg", Kind::number, positive, "mass of all bodies"), full,
+       needed(table("region", "where the bodies are placed", region_box())),
+       with_default(word("method", "how the bodies are placed", {"lattice", "random", "pour"}),
+                    Value(std::string("lattice"))),
+       optional("rate", "", "1/s", Kind::number, positive, "pour: bodies per second"),
+       optional("mass_rate", "", "kg/s", Kind::number, positive, "pour: mass per second"),
+       with_default(required("from", "", "s", Kind::number, not_negative, "pour: start time"), Value(0.0)),
+       optional("seed", "", "", Kind::integer, seeds, "seed; default: that of [run]"),
+       with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity of all bodies"), Value(zero)),
+       with_default(required("velocity_deviation", "", "m/s", Kind::number, not_negative,
+                             "standard deviation of each component of random velocities, with no total momentum"),
+                    Value(0.0))}};
 }
 
 TableSchema outlet_table() {
@@ -295,7 +297,7 @@ TableSchema spring_table() {
   };
   return {"spring",
           TableSchema::Form::list,
-          "spring and damper between a body and another, or a frame that moves along the track (or along x)",
+          "spring and dashpot between two bodies, or a body and a frame that moves along the track (or along x)",
           {optional("name", "", "", Kind::text, {}, "name"),
            repeat_field("number of copies n (index i) or [l, m, n]; a body's name may be \"ball[i + 1]\""),
            text("body", "body at one end"),

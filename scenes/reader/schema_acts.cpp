@@ -11,7 +11,7 @@ std::vector<Field> region_box() {
 }
 
 namespace {
-/// What a value of a measure must do.
+/// Fields of a condition on the value of a measure.
 std::vector<Field> condition_fields() {
   return {text("measure", "name of a measure"), text("component", "component of the measure"),
           optional("above", "", "", Kind::number, {}, "the value is above this"),

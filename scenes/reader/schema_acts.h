@@ -1,5 +1,5 @@
-/// @file schema_acts.h  Tables of a scene that has more than one act: its stages, the run that it starts from, and the
-/// bounds and conditions that end a run or a stage.
+/// @file schema_acts.h  Tables of scenes with several stages: stages, the run that a scene starts from, and the bounds
+/// and conditions that end a run or a stage.
 #pragma once
 #include "scenes/reader/schema.h"
 

@@ -9,7 +9,7 @@ namespace epafi {
 namespace {
 
 const std::vector<std::string> own_keys{"name", "duration", "until"};
-/// Tables that stand in a list: a stage adds to it with [[stage.measure]], or changes one of them by its name.
+/// Arrays of tables: a stage appends with [[stage.measure]], or changes one entry by its name.
 const std::vector<std::string> lists{"body", "bodies", "fill", "outlet", "spring", "measure"};
 const std::vector<std::string> changeable{"world",  "material", "contact", "detection", "shape",  "run",    "bounds",
                                           "output", "body",     "bodies",  "fill",      "outlet", "spring", "measure"};
@@ -63,7 +63,7 @@ class Merge {
     return all;
   }
 
-  /// Keys of `above` over those of `below`, tables inside each other.
+  /// Overrides keys of `below` by those of `above`, recursively.
   void table(Node& below, const Node& above, const std::string& path) {
     if (above.type != Node::Type::table || below.type != Node::Type::table) {
       error(above.place, label_ + " " + path + ": expected a table, found " + type_name(above.type));
@@ -97,7 +97,7 @@ class Merge {
     return {};
   }
 
-  /// What is said of two materials replaces what was said of them.
+  /// Entries for two materials replace earlier ones for the same two.
   void pairs(Node& below, const Node& above) {
     if (!above.is_array_of_tables()) return error(above.place, label_ + " contact.pair: write [[stage.contact.pair]]");
     const auto between = [](const Node& pair) {
@@ -182,7 +182,7 @@ Node number_node(double value, const Place& place) {
   return node;
 }
 
-/// The stage's duration, or the longest one of its condition, where the scene's would stand.
+/// Sets the duration of the scene to that of the stage, or to the longest one of its condition.
 void set_duration(Node& root, const Node& stage) {
   const Node* duration = stage.find("duration");
   if (const Node* until = stage.find("until"); !duration && until) duration = until->find("at_most");
@@ -190,7 +190,7 @@ void set_duration(Node& root, const Node& stage) {
   empty.place = stage.place;
   Node& run = member_of(root, "run", empty);
   std::erase_if(run.members, [](const Member& m) { return m.key == "duration"; });
-  // what is wrong with it is reported of the stage
+  // errors are reported for the stage
   const bool is_text = duration && duration->type == Node::Type::text;
   const bool is_expression = is_text && duration->text.find('=') != std::string::npos;
   const bool is_time = is_expression || (is_text && read_quantity(duration->text, "s").value);

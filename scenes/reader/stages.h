@@ -1,5 +1,5 @@
-/// @file stages.h  [[stage]] tables before anything in them is read: a stage is the scene with keys changed, and that
-/// of the stages before it.
+/// @file stages.h  [[stage]] tables before their keys are read: a stage is the scene with the changed keys of this and
+/// all earlier stages.
 #pragma once
 #include <string>
 #include <vector>
@@ -8,9 +8,9 @@
 
 namespace epafi {
 
-/// A stage that a resumed run has put in: what `epafi resume DIR --set ...` changed.
+/// A stage that a resumed run has inserted, with the changes of `epafi resume DIR --set ...`.
 struct InsertedStage {
-  std::size_t after = 0;               ///< index of the stage that it cuts short
+  std::size_t after = 0;               ///< index of the stage that it ends early
   double duration = 0.0;               ///< [s]
   double output_interval = 0.0;        ///< of the stage it follows [s]
   std::vector<std::string> overrides;  ///< "KEY.PATH=VALUE"
@@ -28,7 +28,8 @@ struct ChangeOfBodies {
 std::vector<Node> list_stages(const Node& root, const std::vector<InsertedStage>& inserted,
                               std::vector<Problem>& problems);
 
-/// The whole scene of one stage as tables: what it and those before it change is in it, but bodies' changes are listed.
+/// The scene of one stage as tables, with the changes of this and earlier stages; changes of bodies are listed
+/// separately.
 struct StageDocument {
   Node root;
   std::vector<ChangeOfBodies> bodies;  ///< they point into `stages`

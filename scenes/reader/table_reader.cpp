@@ -14,7 +14,7 @@ namespace {
 
 constexpr double unit_quaternion_tolerance = 1e-3;  // digits people type: 0.707 is 2e-4 off
 
-/// One key being read.
+/// The key that is read.
 struct Key {
   const Field& field;
   std::string label;  ///< "[contact] friction"
@@ -47,7 +47,7 @@ std::optional<double> read_integer(const Node& node, const Key& key) {
   return std::nullopt;
 }
 
-/// Every element by `read_one`; empty if one of them failed.
+/// Reads all elements by `read_one`; empty if one fails.
 template <class T, class F>
 std::optional<std::vector<T>> read_list(const Node& node, const Key& key, const std::string& expected, F&& read_one) {
   if (node.type != Node::Type::array) {
@@ -105,7 +105,7 @@ std::optional<std::vector<double>> read_quadruples(const Node& node, const Key& 
   return flat;
 }
 
-/// A bare word after --set needs no quotes: a text that looks like a number (60e1) is that text where one is expected.
+/// A bare word after --set needs no quotes: where text is expected, one that looks like a number (60e1) is text.
 bool is_text(const Node& node) {
   if (node.type == Node::Type::text) return true;
   const bool is_list = node.type == Node::Type::array || node.type == Node::Type::table;
@@ -169,7 +169,7 @@ std::optional<Value> as_value(std::optional<T> value) {
   return Value(std::move(*value));
 }
 
-/// The vector, or zero where some of it follows time: that is for whoever knows what it means.
+/// The vector, or zero where a component follows time: such values are read elsewhere.
 std::optional<Value> read_steady(const Node& node, const Key& key) {
   if (node.type != Node::Type::table &&
       !(node.type == Node::Type::array && node.items.size() == 3 && follows_time(key.reading, node)))
@@ -177,7 +177,7 @@ std::optional<Value> read_steady(const Node& node, const Key& key) {
   return Value(Vec3(Vec3::Zero()));
 }
 
-/// The number itself; that of a table under `below`.
+/// The number itself, or that under `below` in a table.
 std::optional<double> read_bound(const Node& node, const Key& key) {
   if (node.type != Node::Type::table) return read_number(node, key);
   const Node* below = node.find("below");
@@ -226,7 +226,7 @@ std::optional<Value> read_value(const Node& node, const Key& key) {
   return std::nullopt;
 }
 
-/// With `choices`: or one of these words.
+/// Reads nested values; with `choices`, also one of these words.
 void read_nested(const Node& node, const Key& key, TableValues& out) {
   if (node.type == Node::Type::text && !key.field.choices.empty()) {
     if (auto word = read_word(node, key)) out.set(key.field.name, std::move(*word));

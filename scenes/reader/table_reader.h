@@ -1,5 +1,5 @@
 /// @file table_reader.h  Reads one table by its fields: types, units, expressions, ranges, unknown and missing keys.
-/// Nothing is thrown: every problem is collected with its place, and reading goes on.
+/// Throws nothing: every problem is collected with its place, and reading continues.
 #pragma once
 #include <array>
 #include <functional>
@@ -18,7 +18,7 @@
 
 namespace epafi {
 
-/// What stays the same while a scene is read.
+/// Context of reading a scene.
 class Reading {
  public:
   Reading(const Registry& r, const Node& document_root, std::string file)
@@ -34,7 +34,7 @@ class Reading {
 
   void error(const Place& place, std::string text) { report(Problem::Level::error, place, std::move(text)); }
   void warning(const Place& place, std::string text) { report(Problem::Level::warning, place, std::move(text)); }
-  std::size_t errors() const { return errors_; }  ///< so far, values that a wrong parameter leaves out among them
+  std::size_t errors() const { return errors_; }  ///< number so far, including values that depend on a wrong parameter
 
   /// A number in SI: written plain, with a unit or as "= expression". Reports what is wrong under `label`.
   std::optional<double> number(const Node& node, const std::string& unit, const std::string& label,
@@ -67,7 +67,7 @@ struct TableValues : Parameters {
   Place place;                          ///< of the table
 
   bool written(const std::string& name) const { return places.count(name) != 0; }
-  /// Written or misspelt: whatever is wrong with it has been told, it is not missing.
+  /// True for written or misspelt keys, whose problem is already reported: they are not missing.
   bool meant(const std::string& name) const { return written(name) || misspelt.count(name) != 0; }
   Place place_of(const std::string& name) const { return written(name) ? places.at(name) : Place{}; }
   Placed<double> placed_number(const std::string& name, double otherwise = 0.0) const {

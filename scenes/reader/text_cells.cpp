@@ -10,7 +10,7 @@ namespace {
 constexpr const char* byte_order_mark = "\xef\xbb\xbf";
 constexpr const char* blank = " \t\r";
 
-/// Where the cell that begins there ends: at the next separator outside quotes.
+/// End of the cell that begins at `begin`: the next separator outside quotes.
 std::size_t end_of_cell(const std::string& line, std::size_t begin, char separator) {
   if (separator == ' ') return std::min(line.find_first_of(blank, begin), line.size());
   bool quoted = false;
@@ -21,7 +21,7 @@ std::size_t end_of_cell(const std::string& line, std::size_t begin, char separat
   return line.size();
 }
 
-/// "a ""b""" to a "b"; other texts stay.
+/// Removes quotes: "a ""b""" becomes a "b"; other texts are unchanged.
 std::string without_quotes(const std::string& text) {
   if (text.size() < 2 || text.front() != '"' || text.back() != '"') return text;
   std::string out;

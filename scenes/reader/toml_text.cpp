@@ -20,7 +20,7 @@ Node convert(const toml::node& from, const std::string& file) {
   if (const auto* table = from.as_table()) {
     for (const auto& [key, value] : *table)
       node.members.push_back({std::string(key.str()), place_of(key.source(), file), convert(value, file)});
-    // toml++ sorts by key; messages and repeated reading want the order of the file
+    // toml++ sorts by key; messages and repeated reading need the order of the file
     std::stable_sort(node.members.begin(), node.members.end(), [](const Member& a, const Member& b) {
       return std::pair(a.place.line, a.place.column) < std::pair(b.place.line, b.place.column);
     });
@@ -55,7 +55,7 @@ Node convert(const toml::node& from, const std::string& file) {
   return node;
 }
 
-/// Where a key or text holds a zero, at which names of files and printed messages end; empty where none does.
+/// Place of a key or text with a NUL character, which would end file names and messages; empty where there is none.
 std::optional<Place> zero_in(const Node& node) {
   if (node.text.find('\0') != std::string::npos) return node.place;
   for (const Node& item : node.items)

@@ -1,5 +1,5 @@
-/// @file atlas.h  `epafi chart --all` and `epafi limits --all`: every study of a folder drawn anew into the atlas,
-/// within a bounded time, and what has moved against the stored figures said.
+/// @file atlas.h  `epafi chart --all` and `epafi limits --all`: runs every study of a folder for the atlas within a
+/// bounded time, and reports figures that differ from the stored ones.
 #pragma once
 #include <filesystem>
 #include <functional>

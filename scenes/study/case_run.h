@@ -25,7 +25,7 @@ struct CaseLimits {
   std::optional<std::chrono::steady_clock::time_point> until = {};  ///< no case is begun later
 };
 
-/// What a case came to.
+/// Result of a case.
 struct CaseResult {
   /// completed, bound_violated, failed, over_budget (its time limit ended it), wrong_scene, crashed, interrupted
   std::string status;
@@ -43,13 +43,13 @@ CaseResult run_case(const std::string& scene, const Case& wanted, const CaseLimi
 bool run_cases(const std::string& scene, const std::vector<Case>& cases, const CaseLimits& limits, int jobs,
                const std::function<void(std::size_t, const CaseResult&)>& done);
 
-/// Takes the cases out of a folder, and leaves all else in it.
+/// Removes the cases from a folder, nothing else.
 void remove_cases(const std::filesystem::path& folder);
 
 /// The result of a case that was finished earlier with the same scene (hash); empty where there is none.
 std::optional<CaseResult> finished_case(const Case& wanted, const std::string& scene_hash);
 
-/// The line that repeats the case by hand.
+/// Command line that repeats the case.
 std::string command_line(const std::string& scene, const Case& wanted, const CaseLimits& limits);
 
 }  // namespace epafi

@@ -30,7 +30,7 @@ struct ChartPoint {
   bool good() const { return status == "completed"; }
 };
 
-/// What is recommended, run once more under the study's `again`.
+/// The recommended settings, run once more with the study's `again`.
 struct SecondOpinion {
   std::string settings;  ///< the overrides of `again`
   bool holds = false;    ///< inside [accuracy] there too
@@ -87,9 +87,9 @@ double median(std::vector<double> values);
 
 std::string chart_csv(const Chart& chart);
 std::string chart_json(const Chart& chart);
-/// What the chart says: error floor, failed points, the cheapest method inside [accuracy] as lines of a scene.
+/// Verdict of the chart: error floor, failed points, the cheapest method inside [accuracy] as lines of a scene.
 std::string chart_verdict(const Chart& chart);
-/// A scene file that includes the study's scene and sets what is recommended; empty where nothing is.
+/// A scene file that includes the study's scene and sets the recommended keys; empty where there are none.
 std::string recommended_scene(const Chart& chart, const std::filesystem::path& folder);
 /// chart.svg and chart.png; chart_2 ... for further errors.
 void draw_chart(const Chart& chart, const std::filesystem::path& folder);

@@ -1,5 +1,5 @@
-/// @file machine_speedup.h  What more threads bring on the machine at hand, whatever the program: the measure that the
-/// speed-ups of `epafi bench` stand beside. Two hardware threads of one core are not two cores.
+/// @file machine_speedup.h  Speed-up of this machine by threads, independent of the program, as a reference for `epafi
+/// bench`. Two hardware threads of one core are not two cores.
 #pragma once
 
 namespace epafi {

@@ -16,7 +16,7 @@ struct StudyMethod {
   std::string settings() const;        ///< the overrides behind each other, "; " between
 };
 
-/// What "error" of a study measures.
+/// The quantity of a study's `error`.
 struct ErrorSpec {
   std::string name;                ///< overlap, energy, residual, momentum, distance, or a measure of the scene
   std::string component;           ///< of a measure; empty: all of them
@@ -24,13 +24,13 @@ struct ErrorSpec {
   std::optional<double> exact;     ///< closed form or published value; else the reference run, else 0
   bool relative = false;           ///< divided by the exact or reference value
   std::string label;               ///< of the axis, with the unit; empty: made from the rest
-  Place place{};                   ///< where it is written; line 0: nowhere
+  Place place{};                   ///< in the file; line 0: default
   std::string axis_label() const;
-  /// It is none of `known`, or is not there: with its place in the study.
+  /// Error for a quantity that is not in `known`, with its place in the study.
   [[noreturn]] void refuse(const std::string& study_file, const std::string& known) const;
 };
 
-/// A value of `limits` that is scanned, or bisected for its last good value.
+/// A parameter of `limits` that is scanned, or bisected for its last good value.
 struct ParameterSpec {
   std::string key;
   std::vector<double> values;  ///< scanned; of a bisection its two ends
@@ -68,7 +68,7 @@ struct Study {
   std::string theory_label;
   int repeats = 3;           ///< timings of each point
   double time_limit = 60.0;  ///< processor time of one case per thread [s]
-  double budget = 0.0;       ///< of all cases [s]: what is not reached is not run; 0: none
+  double budget = 0.0;       ///< wall time of all cases [s]; later ones are not run; 0: no limit
   int threads = 1;
   std::string program = "/proc/self/exe";  ///< that runs the cases
 };

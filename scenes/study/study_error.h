@@ -17,7 +17,7 @@ std::map<std::string, double> measured(const ErrorSpec& error, const CaseResult&
 /// differ.
 std::optional<double> distance(const std::filesystem::path& run, const std::filesystem::path& reference);
 
-/// What a case is compared with.
+/// Reference of the errors of a case.
 struct Yardstick {
   std::map<std::string, double> values;  ///< of the reference run; empty where there is none
   std::filesystem::path folder;          ///< of the reference run, for `distance`

@@ -302,7 +302,7 @@ TEST_CASE("a joint that leans does not stop a body that comes over it", "[detect
       s.add_body(Sphere{0.1}, {Vec3(6.0 * ahead, 0, 0.1 + rise), Quat(1, 0, 0, 0)});
     else
       s.add_body(Cylinder(0.1, 0.2), {Vec3(6.0 * ahead, 0, 0.1 + rise), along});
-    const ContactSet found = s.contacts(6e-3);  // as non-smooth contact foresees
+    const ContactSet found = s.contacts(6e-3);  // as non-smooth contact predicts
     INFO("draw " << k << ", lean " << lean << ", tops " << low << " " << high << ", ahead " << ahead);
     REQUIRE(found.size() > 0);
     for (const Vec3& n : found.normal) CHECK(n.dot(s.up()) > 0.99);

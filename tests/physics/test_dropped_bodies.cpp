@@ -93,7 +93,7 @@ TEST_CASE("what falls on a stack gains no energy, at any restitution, friction a
       above_tolerance += !sim.work.report.solver.converged;
       ++steps;
     }
-    // what is moved apart after impacts on turning bodies, whose points are foreseen to first order only
+    // what is moved apart after impacts on turning bodies, whose points are predicted to first order only
     CHECK(std::abs(run.energy_error()) < 1e-2);
     const Energy& energy = sim.ledger.last();
     // friction of slips that turn round within a step (impact.h), and the solver's tolerance; where nothing bounces
@@ -108,7 +108,7 @@ TEST_CASE("a sphere is met at the surface, whatever a written step lets it move"
     Draw draw(k);
     const double radius = draw.log_of(1e-3, 1.0), speed = draw.log_of(0.1, 10.0);
     const double fastest = std::sqrt(3.0 * speed * speed + 2.0 * 9.81 * 2.0 * radius);  // what it can come to
-    const double dt = draw.of(0.02, 0.24) * radius / fastest;                           // twice that is foreseen
+    const double dt = draw.of(0.02, 0.24) * radius / fastest;                           // twice that is predicted
     const bool on_box = draw.whole(0, 1) == 1;
     const double top = on_box ? 4.0 * radius : 0.0;
     std::string text = head(dt, 0.0, draw.of(0.0, 1.0));

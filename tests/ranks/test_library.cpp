@@ -38,7 +38,7 @@ std::string shared_hash(SceneRun& run, const Short& s) {
   if (team.helpers()) team.helpers()->least_contacts = 0;
   run.simulation().start();
   run.advance_to(s.steps);
-  run.simulation().come_home();
+  run.simulation().gather_state();
   RankTeam::set_of_program(nullptr);
   CHECK(run.failure == "");
   const auto figures = team.figures();

@@ -22,7 +22,7 @@ std::uint64_t lists_of_bed(const std::vector<std::string>& overrides, bool is_pa
   auto& list = dynamic_cast<SharedList&>(*sim.pipeline.broad_phase);
   for (int k = 0; k < 2500; ++k) {
     REQUIRE_FALSE(sim.advance(false, true));
-    if (is_part) list.end_with_others(list.foreseen());
+    if (is_part) list.end_with_others(list.predicted_end());
   }
   return sim.work.pairs.generation;
 }

@@ -210,7 +210,7 @@ Outcome run(Simulation& sim, int steps, int& ahead) {
     REQUIRE_FALSE(failure);
     ahead += sim.is_ahead() ? 1 : 0;
   }
-  sim.come_home();
+  sim.gather_state();
   Outcome out;
   Look look(out);
   sim.show(look);

@@ -13,8 +13,8 @@
 #include "scenes/cli/new_scene.h"
 #include "scenes/cli/study_commands.h"
 #include "scenes/folder_lock.h"
-#include "scenes/foretold_time.h"
 #include "scenes/full_registry.h"
+#include "scenes/predicted_time.h"
 #include "scenes/reader/scene_reader.h"
 #include "tests/support/captured_run.h"
 #include "tests/support/catch.h"
@@ -124,7 +124,7 @@ sphere = { radius = 0.001 }
   CHECK(megabytes(many.substr(many.find("memory"))) > megabytes(one.substr(one.find("memory"))) + 20.0);
 }
 
-TEST_CASE("output is foretold by the points that its frames draw, of the bodies that stay", "[scenes][foretold]") {
+TEST_CASE("output is predicted by the points that its frames draw, of the bodies that stay", "[scenes][predicted]") {
   const TemporaryFolder folder;
   const fs::path file = folder / "outputs.toml";
   const auto output = [&](const std::string& shape, int count, const std::string& domain = "") {
@@ -150,7 +150,7 @@ TEST_CASE("output is foretold by the points that its frames draw, of the bodies 
   CHECK(most_leave < 0.4 * clumps);
 }
 
-TEST_CASE("bodies that are no balls are foretold by what their contacts cost", "[scenes][foretold]") {
+TEST_CASE("bodies that are no balls are predicted by what their contacts cost", "[scenes][predicted]") {
   const TemporaryFolder folder;
   const fs::path file = folder / "kinds.toml";
   const auto steps = [&](const std::string& shape) {
@@ -171,58 +171,58 @@ TEST_CASE("bodies that are no balls are foretold by what their contacts cost", "
   CHECK(steps("superquadric = { semi_axes = [0.01, 0.02, 0.01], across = 4, along = 4 }") > 1.5 * ellipsoids);
 }
 
-TEST_CASE("loops over few bodies are not shared out over threads", "[scenes][foretold]") {
+TEST_CASE("loops over few bodies are not shared out over threads", "[scenes][predicted]") {
   CHECK(wall_seconds(10.0, 60.0, 8.0) == 10.0);
   CHECK(wall_seconds(10.0, 1024.0, 8.0) == Approx(5.0));
   CHECK(wall_seconds(10.0, 1e6, 8.0) == Approx(1.25));
   CHECK(wall_seconds(10.0, 1e6, 1.0) == 10.0);
 }
 
-TEST_CASE("a run whose steps were all made takes what they took, its start and its output", "[scenes][foretold]") {
+TEST_CASE("a run whose steps were all made takes what they took, its start and its output", "[scenes][predicted]") {
   const FirstSteps first{.start = 0.5, .seconds = 2.0, .made = 100, .present = 1.0, .later = 0.1};
   RunCounts run{.steps = 100, .bodies = 10, .loose = 1.0};
-  const ForetoldTime alone = foretell_time(run, first, 1.0);
+  const PredictedTime alone = predict_time(run, first, 1.0);
   CHECK(alone.steps == 2.0);
   CHECK(alone.output == 0.0);
   CHECK(alone.start >= 0.5);
   run.outputs = 100;
-  const double some = foretell_time(run, first, 1.0).output;
+  const double some = predict_time(run, first, 1.0).output;
   run.outputs = 200;
-  CHECK(foretell_time(run, first, 1.0).output == Approx(2.0 * some));
+  CHECK(predict_time(run, first, 1.0).output == Approx(2.0 * some));
   // half as fast a machine takes twice as long for what is priced, not for what was measured
-  CHECK(foretell_time(run, first, 0.5).output == Approx(4.0 * some));
-  CHECK(foretell_time(run, first, 0.5).steps == 2.0);
+  CHECK(predict_time(run, first, 0.5).output == Approx(4.0 * some));
+  CHECK(predict_time(run, first, 0.5).steps == 2.0);
 }
 
-TEST_CASE("steps to come cost as the last ones, with what the bodies lack of a packing", "[scenes][foretold]") {
+TEST_CASE("steps to come cost as the last ones, with what the bodies lack of a packing", "[scenes][predicted]") {
   const FirstSteps first{.seconds = 1.0, .made = 100, .present = 0.5, .later = 0.02};
   RunCounts run{.steps = 1100, .bodies = 1000, .polyhedra = 1000, .sweeps = 50};
   // half of the bodies are there: all cost twice as much
-  CHECK(foretell_time(run, first, 1.0).steps == Approx(1.0 + 1000 * 0.04));
+  CHECK(predict_time(run, first, 1.0).steps == Approx(1.0 + 1000 * 0.04));
   run.loose = 1.0;
-  const double packed = foretell_time(run, first, 1.0).steps - 41.0;
+  const double packed = predict_time(run, first, 1.0).steps - 41.0;
   CHECK(packed > 0.0);
   run.loose = 0.5;
-  CHECK(foretell_time(run, first, 1.0).steps == Approx(41.0 + 0.5 * packed));
+  CHECK(predict_time(run, first, 1.0).steps == Approx(41.0 + 0.5 * packed));
   run.falling = 0.75;
-  CHECK(foretell_time(run, first, 1.0).steps == Approx(41.0 + 0.125 * packed));
+  CHECK(predict_time(run, first, 1.0).steps == Approx(41.0 + 0.125 * packed));
   // sweeps over its contacts are the larger part of a pile by a solver that sweeps
   run.sweeps = 0.0;
   run.loose = 1.0;
   run.falling = 0.0;
-  CHECK(foretell_time(run, first, 1.0).steps - 41.0 < packed);
+  CHECK(predict_time(run, first, 1.0).steps - 41.0 < packed);
   run.polyhedra = 0.0;
-  const double balls = foretell_time(run, first, 1.0).steps;
+  const double balls = predict_time(run, first, 1.0).steps;
   CHECK(balls - 41.0 < 0.1 * packed);
   run.reading = 2.0;
-  const double read = foretell_time(run, first, 1.0).steps - balls;
+  const double read = predict_time(run, first, 1.0).steps - balls;
   CHECK(read > 0.0);
   run.reading = 0.5;
-  CHECK(foretell_time(run, first, 1.0).steps - balls == Approx(0.25 * read));
+  CHECK(predict_time(run, first, 1.0).steps - balls == Approx(0.25 * read));
 }
 
 TEST_CASE("half of the bodies that fall from up to a height are down after the fall from its half",
-          "[scenes][foretold]") {
+          "[scenes][predicted]") {
   CHECK(falling_share(2.0, 10.0, 1.0, 0.0) == Approx(std::sqrt(0.2)));
   // the bounces of Zeno's ball last 2 e/(1 - e) of the fall
   CHECK(falling_share(2.0, 10.0, 10.0, 0.5) == Approx(0.3 * std::sqrt(0.2)));

@@ -22,7 +22,7 @@ MemoryPlan memory_of(const std::string& scene, const std::vector<std::string>& o
 }
 
 /// By the plan, with the pairs and contacts that are there now [B].
-double foretold(SceneRun& run) {
+double planned_bytes(SceneRun& run) {
   const Simulation& sim = run.simulation();
   const MemoryPlan& m = run.assembly->plan.memory;
   const auto bodies = static_cast<double>(sim.world.size());
@@ -68,7 +68,7 @@ TEST_CASE("a scene pays memory for what it declares, not for more", "[scenes][me
 #endif
 
 #ifndef EPAFI_SANITIZED
-TEST_CASE("what explain foretells is most of what a run takes", "[scenes][memory]") {
+TEST_CASE("what explain predicts is most of what a run takes", "[scenes][memory]") {
   const auto [scene, overrides, most] = GENERATE(table<std::string, std::vector<std::string>, double>(
       {{"bed/bed.toml", {"params.n=60000"}, 1.4}, {"pile/polyhedra.toml", {"run.duration=0.1"}, 1.9}}));
   const support::KeepThreads keep;
@@ -77,8 +77,8 @@ TEST_CASE("what explain foretells is most of what a run takes", "[scenes][memory
   SceneRun run = prepare_scene(library(scene), overrides);
   run.simulation().start();
   run.advance_to(40);
-  const double taken = resident() - before, planned = foretold(run);
-  INFO(scene << ": foretold " << 1e-6 * planned << " MB, taken " << 1e-6 * taken);
+  const double taken = resident() - before, planned = planned_bytes(run);
+  INFO(scene << ": planned " << 1e-6 * planned << " MB, taken " << 1e-6 * taken);
   CHECK(planned > 5e6);
   CHECK(taken > planned);
   CHECK(taken < most * planned);

@@ -1,5 +1,5 @@
 // What a run says of itself where its energy balance opens, of overlaps between the looks, of slow sources; what
-// `check` foretells of measures.
+// `check` predicts of measures.
 #include <cmath>
 #include <fstream>
 #include <random>
@@ -142,7 +142,7 @@ TEST_CASE("a source that cannot keep its rate is told, with how many have come",
   }
 }
 
-TEST_CASE("measures that look at every step are foretold", "[scenes][foretold]") {
+TEST_CASE("measures that look at every step are predicted", "[scenes][predicted]") {
   const TemporaryFolder folder;
   const fs::path file = folder / "measured.toml";
   const auto steps = [&](const std::string& measures) {

@@ -1,4 +1,4 @@
-// Steps that contacts bear, foreseen before there are any, against closed forms.
+// Steps that contacts bear, predicted before there are any, against closed forms.
 #include <fmt/format.h>
 
 #include <cmath>

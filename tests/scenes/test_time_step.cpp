@@ -1,5 +1,5 @@
 // The step of non-smooth scenes that write none: it follows size, gravity, motion and output; falling bodies are
-// foreseen.
+// predicted.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -69,7 +69,7 @@ TEST_CASE("what moves, turns and swings shortens the default step, and the reaso
   CHECK(step_of(cube(1.0, 0.0) + shaker) == Approx(1.0 / 400.0).epsilon(1e-2));
 }
 
-TEST_CASE("a falling body is foreseen: at the default step it overlaps the floor by next to nothing",
+TEST_CASE("the contact of a falling body is predicted: at the default step it overlaps the floor by next to nothing",
           "[scenes][time_step]") {
   // a contact within reach lets the body come to the floor and no further: gravity over half a step is left, g dt^2 / 2
   for (const double height : {0.05, 0.3, 1.0, 4.0}) {

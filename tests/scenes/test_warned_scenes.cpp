@@ -104,7 +104,7 @@ TEST_CASE("bodies that lie deep in each other are named, others are not", "[scen
   }
 }
 
-TEST_CASE("a soft impact is foretold, and the stiffness that is named keeps it shallow",
+TEST_CASE("a soft impact is predicted, and the stiffness that is named keeps it shallow",
           "[scenes][warnings][overlap]") {
   // overlaps of a ball on a wall: Hertz ~ E^(-2/5), exactly; springs ~ k^(-1/2), so that they end up below what is said
   Random random(53, 0);

@@ -1,5 +1,4 @@
-/// @file body_origin.h  What the author of a scene wrote of a shape: the words and the axes that a file needs beside
-/// numbers so that a scene can read it back.
+/// @file body_origin.h  Description of a shape in the scene (text and axes), for files that a scene reads back.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -10,9 +9,10 @@
 
 namespace epafi {
 
-/// Of a shape that is no sphere.
+/// Description of a shape other than a sphere.
 struct ShapeOrigin {
-  /// Its name, or the table as written: "{ box = { size = [1, 1, 1] } }". Made when asked for: that of a stone is long.
+  /// Its name, or the table as written: "{ box = { size = [1, 1, 1] } }". Made on request, since it is long for a
+  /// stone.
   std::function<std::string()> shape;
   double size = 1.0;                  ///< factor of all lengths, > 0
   Quat to_author = Quat(1, 0, 0, 0);  ///< principal axes to the author's

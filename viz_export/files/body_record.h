@@ -1,5 +1,5 @@
-/// @file body_record.h  One body as files show it: what snapshots store and frames draw. Made from the running world,
-/// or read back from run.h5, so that frames made afterwards are those that the run would have written.
+/// @file body_record.h  One body for snapshots and frames, from the running world or from run.h5, so that frames made
+/// afterwards equal those of the run.
 #pragma once
 #include <map>
 #include <memory>
@@ -47,11 +47,11 @@ class SurfaceCache {
 class BodyList {
  public:
   BodyList(const World& world, SurfaceCache& surfaces);
-  /// Of records that the caller keeps alive.
+  /// List of records, which the caller keeps alive.
   BodyList(const std::vector<BodyRecord>& records);
-  /// Those of this list at `places`, ascending.
+  /// The bodies of this list at `places`, ascending.
   BodyList only(UnwrittenColumn<Slot> places) const;
-  /// Those that are spheres; others: places of all that are not.
+  /// The spheres of this list; others: places of all other bodies.
   BodyList spheres(std::span<const Slot> others) const;
   std::size_t size() const { return size_; }
 

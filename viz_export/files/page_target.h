@@ -10,7 +10,7 @@
 
 namespace epafi {
 
-/// Whether a file begins as pages do, behind a byte order mark and blanks.
+/// True where a file begins as an HTML page, after a byte order mark and blanks.
 inline bool begins_as_page(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::string text(512, '\0');
@@ -23,7 +23,7 @@ inline bool begins_as_page(const std::filesystem::path& file) {
   return text.starts_with("<!doctype html") || text.starts_with("<html");
 }
 
-/// Whether a name is that of a page: what opens a file by its ending would open anything else with the wrong program.
+/// True for a name with the extension of a page, by which programs choose how to open it.
 inline bool is_page_name(const std::filesystem::path& target) {
   std::string ending = target.extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

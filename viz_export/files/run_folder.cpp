@@ -68,7 +68,7 @@ std::string named(const std::vector<fs::path>& files, const std::string& more) {
   return files.size() > most_named ? out + fmt::format(" and {} more{}", files.size() - most_named, more) : out;
 }
 
-/// Runs and tables of a sweep, chart, limits or patch.
+/// Message for a folder with runs and tables of a sweep, chart, limits or patch.
 std::string no_single_run(const fs::path& folder, const std::string& command) {
   const std::string name = folder.string();
   const std::vector<fs::path> runs = runs_in(folder);
@@ -83,7 +83,7 @@ std::string no_single_run(const fs::path& folder, const std::string& command) {
          open;
 }
 
-/// Neither a run nor what studies write.
+/// Message for a folder that holds neither a run nor results of a study.
 std::string no_run_at_all(const fs::path& folder) {
   std::error_code none;
   const std::string name = folder.string();

@@ -1,4 +1,4 @@
-/// @file run_folder.h  What lies in a folder: a run of its own, or runs and tables of a sweep, chart, limits or patch.
+/// @file run_folder.h  Content of a folder: a run, or runs and tables of a sweep, chart, limits or patch.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -17,12 +17,11 @@ namespace epafi {
 /// Files in it that a run alone writes: it has been one, whether or not its run.h5 is there.
 [[nodiscard]] bool was_run(const std::filesystem::path& folder);
 
-/// What a run's folder without a readable run.h5 still has, and what goes on from there: "; whole are measures.csv
-/// ...".
+/// Remaining files of a run's folder without a readable run.h5, with advice: "; whole are measures.csv ...".
 [[nodiscard]] std::string what_is_left(const std::filesystem::path& folder);
 
-/// Why the folder cannot be opened as a run, and what takes it instead. command: that was asked for, as "view".
-/// file: without which it cannot.
+/// Reason why the folder cannot be opened as a run, with the command for it. command: the one given, as "view"; file:
+/// the missing one.
 [[nodiscard]] std::string no_run_text(const std::filesystem::path& folder, const std::string& command,
                                       const std::string& file = "run.h5");
 

@@ -38,7 +38,7 @@ std::string machine() {
   return boot.empty() || processes.empty() ? "" : boot + "/" + processes.string();
 }
 
-/// When a process began, in ticks since boot; "" where it is not there or has ended and waits for its parent.
+/// Start of a process in ticks since boot; "" where it does not exist or is a zombie.
 std::string start_of(const std::string& process) {
   std::ifstream in("/proc/" + process + "/stat");
   std::string text((std::istreambuf_iterator<char>(in)), {});
@@ -52,7 +52,7 @@ std::string start_of(const std::string& process) {
   return state == "Z" || state == "X" ? "" : field;
 }
 
-/// A copy of the folder is another one.
+/// Inode of the folder, which tells it from its copies.
 std::string number_of(const fs::path& folder) {
   struct stat about {};
   return stat(folder.c_str(), &about) == 0 ? std::to_string(about.st_ino) : "";

@@ -1,9 +1,8 @@
-/// @file run_mark.h  Tells a run that is being written from one that was killed. While a run writes it keeps `.running`
-/// in its folder: host, process and its start, machine (boot and process namespace), folder, warnings so far. The
-/// file's time of change moves on every second. Readers on the same machine ask for the process: exact on any file
-/// system, locks or not. On another machine the process cannot be asked: there the file must have changed within two
-/// minutes; a single step that takes longer looks dead there until it ends. Without a mark (older versions) files that
-/// change tell it.
+/// @file run_mark.h  Distinguishes a running run from a killed one. While a run writes it keeps `.running` in its
+/// folder: host, process and its start, machine (boot and process namespace), folder, warnings so far. The file's time
+/// of change moves on every second. Readers on the same machine test the process, which is exact on any file system. On
+/// other machines the file must have changed within two minutes; a longer single step looks dead there until it ends.
+/// Without a mark (older versions) changing files count.
 #pragma once
 #include <chrono>
 #include <filesystem>
@@ -24,10 +23,10 @@ struct RunState {
   std::vector<std::string> warnings{};  ///< that the mark holds
 };
 
-/// Of a folder with a run.
+/// State of the run in a folder.
 [[nodiscard]] RunState run_state(const std::filesystem::path& folder);
 
-/// Held by the program that writes. A folder that takes no file is not marked.
+/// Held by the writing program. A folder without write permission is not marked.
 class RunMark {
  public:
   explicit RunMark(std::filesystem::path folder);
@@ -35,9 +34,9 @@ class RunMark {
   RunMark(const RunMark&) = delete;
   RunMark& operator=(const RunMark&) = delete;
 
-  /// To be called often. Once a second it moves the time of change on and returns true.
+  /// Call it often: once a second it updates the time of change and returns true.
   bool beat();
-  /// What a report of the run has to say if it is cut.
+  /// Stores warnings for a report of the run if it is killed.
   void tell(std::vector<std::string> warnings);
 
  private:

@@ -1,4 +1,4 @@
-/// @file side_file.h  A file that is never seen half written: it is written beside its place and renamed over it.
+/// @file side_file.h  Atomic file replacement: writes beside the target and renames over it.
 #pragma once
 #include <filesystem>
 #include <initializer_list>

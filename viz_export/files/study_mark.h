@@ -16,10 +16,10 @@ struct StudyMark {
 
 /// Throws FileError where it cannot be written.
 void write_study_mark(const std::filesystem::path& folder, const StudyMark& mark);
-/// None where there is no such file, or none that can be read.
+/// Reads the mark of a study; none where the file is missing or unreadable.
 [[nodiscard]] std::optional<StudyMark> read_study_mark(const std::filesystem::path& folder);
 
-/// What is missing, of the cases that have ended; empty where nothing is.
+/// Text on missing cases; empty if none is missing.
 [[nodiscard]] std::string unfinished_text(const StudyMark& mark, std::size_t ended);
 
 }  // namespace epafi

@@ -14,7 +14,7 @@ constexpr std::uint64_t format_number = 5;  // grows when old files can no longe
 constexpr const char* kind = "epafi checkpoint";
 const std::string columns_group = "/state/";
 
-/// Of name, element size and bytes: a column under another name or cut elsewhere does not pass.
+/// Hash of name, element size and bytes, so that a renamed or truncated column is detected.
 std::uint64_t column_hash(std::string_view name, std::size_t element, const std::byte* data, std::size_t bytes) {
   Hash hash;
   hash.add(name);
@@ -106,7 +106,7 @@ void collect_columns(const Hdf5File& file, const std::string& prefix, std::vecto
   }
 }
 
-/// Every column is read once before the walk changes anything: HDF5 does not notice changed bytes in plain datasets.
+/// Checks all columns before the state is changed: HDF5 does not detect changed bytes in plain datasets.
 void verify_columns(const Hdf5File& file, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     const std::string dataset = columns_group + name;

@@ -13,7 +13,7 @@
 
 namespace epafi {
 
-/// What a checkpoint says about itself.
+/// Header of a checkpoint.
 struct CheckpointHeader {
   std::string version;                 ///< of the program that wrote it
   std::string scene_hash;              ///< of scene text and overrides

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view hdf5_signature("\x89HDF\r\n\x1a\n", 8);
 
-/// The length that an HDF5 file says it has: the end-of-file address of its superblock (HDF5 File Format Specification,
+/// The length that an HDF5 file states: the end-of-file address of its superblock (HDF5 File Format Specification,
 /// II.A), with addresses of 8 bytes as this program writes them.
 std::optional<std::uint64_t> length_by_superblock(const fs::path& file) {
   std::array<char, 56> head{};

@@ -1,4 +1,4 @@
-/// @file damaged_run.h  A run.h5 that cannot be read through: what was found, and what of the folder still serves.
+/// @file damaged_run.h  A damaged run.h5: the damage, and the remaining files of the folder.
 #pragma once
 #include <filesystem>
 #include <string>

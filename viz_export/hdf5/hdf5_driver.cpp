@@ -38,8 +38,7 @@ herr_t close_file(H5FD_t* file) {
   return close(closed->descriptor);
 }
 
-/// No feature: nothing is kept between two reads. Sieving of raw data pays where rows are read one by one, ours are
-/// not.
+/// No features: nothing is cached between reads. Data sieving pays only where rows are read one by one.
 herr_t no_features(const H5FD_t*, unsigned long* flags) {
   *flags = 0;
   return 0;

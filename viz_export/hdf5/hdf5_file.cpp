@@ -34,14 +34,14 @@ class Handle {
   Close close_;
 };
 
-/// What is made in a file keeps no time of its making: the same run writes the same bytes.
+/// Creation properties without time stamps, so that the same run writes the same bytes.
 Handle timeless(hid_t kind) {
   Handle list(H5Pcreate(kind), H5Pclose);
   H5Pset_obj_track_times(list, false);
   return list;
 }
 
-/// HDF5's description of where the last call failed: the innermost frame, which is nearest to the cause.
+/// HDF5's description of the last error, from the innermost frame of its error stack.
 std::string last_cause() {
   std::string cause;
   const auto keep = [](unsigned, const H5E_error2_t* error, void* out) -> herr_t {
@@ -100,7 +100,7 @@ struct Hdf5File::Impl {
   std::filesystem::path path;
   hid_t id = -1;
 
-  /// Nothing in the file can be larger than the file.
+  /// Size of the file, an upper bound for all that it holds.
   std::size_t file_bytes() const {
     hsize_t size = 0;
     check(H5Fget_filesize(id, &size), "read the size of the file");
@@ -137,9 +137,9 @@ struct Hdf5File::Impl {
     const std::size_t last = name.find_last_not_of('/', name.rfind('/'));  // before one or several in a row
     if (name.find('/') != std::string::npos && last != std::string::npos) make_group(name.substr(0, last + 1));
   }
-  /// rows: at first, of one that is extendable.
+  /// rows: initial number of an extendable dataset.
   Handle make_dataset(const std::string& name, Hdf5Type type, hsize_t rows, const Hdf5Layout& layout) const;
-  /// extents: of the rows from `first` on that are written.
+  /// extents: of the rows to write from `first` on.
   void write_rows(hid_t dataset_id, Hdf5Type type, hsize_t first, std::vector<hsize_t> extents, const void* values,
                   const std::string& what) const;
   Handle attribute(const std::string& object_name, const std::string& key) const {
@@ -184,8 +184,8 @@ struct Hdf5File::Impl {
 };
 
 namespace {
-/// Names, sizes and places of datasets that HDF5 keeps. It counts what they take in the file, up to 32 MB, and needs
-/// 30 times as much in memory: 24 kB for each shape of run.h5.
+/// Limits HDF5's metadata cache. Its default of 32 MB counts bytes in the file; in memory it needs 30 times as much: 24
+/// kB per shape of run.h5.
 void limit_metadata(hid_t access) {
   H5AC_cache_config_t config{};
   config.version = H5AC__CURR_CACHE_CONFIG_VERSION;
@@ -199,12 +199,13 @@ void limit_metadata(hid_t access) {
 }  // namespace
 
 Hdf5File::Hdf5File(const std::filesystem::path& path, Mode mode) : impl_(std::make_unique<Impl>()) {
-  // Every file is closed here. One that could not be (full disk) crashed the library when it closed it again at exit.
+  // All files are closed by this program. The library would crash at exit on one that could not be closed (full disk).
   static const bool leaves_exit_alone = H5dont_atexit() >= 0;
   static_cast<void>(leaves_exit_alone);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are reported once, by us
   impl_->path = path;
-  // HDF5 1.10 crashes (H5AC_create) where it gets no memory while it opens a file: ask first, so that the door refuses
+  // HDF5 1.10 crashes (H5AC_create) where memory runs out while it opens a file: allocate it first, to fail with an
+  // exception
   ::operator delete(::operator new(spare));
   std::error_code none;
   if (mode != Mode::create && !std::filesystem::is_regular_file(path, none))
@@ -248,7 +249,7 @@ void Hdf5File::close() {
 bool Hdf5File::has(const std::string& name) const { return impl_->has(name); }
 
 bool Hdf5File::Impl::has(const std::string& name) const {
-  // every group on the way is asked for: H5Lexists fails where one is missing
+  // check every group of the path: H5Lexists fails where one is missing
   for (std::size_t end = name.find('/', 1);; end = name.find('/', end + 1)) {
     const std::string part = name.substr(0, end);
     if (part != "/" && H5Lexists(id, part.c_str(), H5P_DEFAULT) <= 0) {

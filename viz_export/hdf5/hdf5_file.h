@@ -18,7 +18,7 @@ namespace epafi {
 /// Type of the elements of a dataset.
 enum class Hdf5Type { float32, float64, int8, int16, int32, int64, uint8, uint16, uint32, uint64 };
 
-/// Of the elements of a column of numbers.
+/// HDF5 type of a C++ number.
 template <class T>
 requires std::is_arithmetic_v<T>
 constexpr Hdf5Type hdf5_type() {
@@ -33,7 +33,7 @@ constexpr Hdf5Type hdf5_type() {
 }
 static_assert(hdf5_type<std::int64_t>() == Hdf5Type::int64 && hdf5_type<std::uint16_t>() == Hdf5Type::uint16);
 
-/// How a dataset lies in the file. Rows are the first dimension; `columns` 1 makes it one-dimensional.
+/// Layout of a dataset in the file. Rows are the first dimension; `columns` 1 makes it one-dimensional.
 struct Hdf5Layout {
   std::size_t columns = 1;
   bool extendable = false;  ///< may be appended to and truncated

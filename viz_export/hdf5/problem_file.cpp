@@ -29,7 +29,8 @@ std::int64_t number(const Hdf5File& file, const std::string& name) {
   return value;
 }
 
-/// `rows`, `columns`: what the vectors of the problem leave it to be; a matrix that claims more takes no memory.
+/// rows, columns: required by the vectors of the problem; a matrix that states others is refused before memory is
+/// allocated.
 Sparse read_matrix(const Hdf5File& file, const std::string& name, Index rows, Index columns) {
   const std::int64_t m = number(file, name + "/m"), n = number(file, name + "/n"), nz = number(file, name + "/nz");
   if (m != rows || n != columns)

@@ -21,7 +21,7 @@ constexpr std::size_t most_buffered =
 
 std::string numbered(const char* group, std::size_t k) { return fmt::format("{}/{:06d}", group, k); }
 
-/// A link name of HDF5 may not hold '/' nor be '.'.
+/// Valid link name: HDF5 permits neither '/' nor '.' alone.
 std::string link_name(std::string name) {
   std::replace(name.begin(), name.end(), '/', '|');
   return name.empty() || name == "." ? "_" : name;
@@ -54,7 +54,7 @@ std::string joined(const std::vector<std::string>& words, char separator) {
   return out;
 }
 
-/// The number that a group is named by.
+/// The number in the name of a group.
 std::int32_t number_of(const std::filesystem::path& path, const std::string& name) {
   std::int32_t number = -1;
   const auto end = std::from_chars(name.data(), name.data() + name.size(), number);
@@ -136,7 +136,7 @@ void RunFile::drop_after(std::uint64_t step, double time) {
 
 void RunFile::append_bodies(Hdf5File& file, const BodyList& bodies) {
   describe_late(file, bodies);
-  // rows by id: ids that come later or came and went between two snapshots have rows of zero mass and radius
+  // rows by id: bodies that come later, or came and went between two snapshots, have zero mass and radius
   const std::size_t n = bodies.size(), before = described_.size();
   const std::size_t known = n == 0 ? before : std::max<std::size_t>(before, bodies.id(n - 1) + 1u);
   const std::size_t fresh = known - before;
@@ -163,7 +163,7 @@ void RunFile::append_bodies(Hdf5File& file, const BodyList& bodies) {
   append_column<double>(file, "bodies/radius", fresh, [&](std::size_t k) { return record(k).radius; });
 }
 
-/// Fills the rows of bodies that have come since their rows were made: those of a source have low ids and come late.
+/// Fills rows that exist without data: bodies of a source have low ids but come late.
 void RunFile::describe_late(Hdf5File& file, const BodyList& bodies) {
   std::vector<std::size_t> late;  // places in `bodies`, ascending ids
   for (std::size_t k = 0; k < bodies.size(); ++k)
@@ -209,7 +209,7 @@ void RunFile::add_surface(Hdf5File& file, const BodyRecord& b) {
   surfaces_[b.shape] = number;
 }
 
-/// Of the axes in which the scene wrote the shapes: those of the engine are principal ones.
+/// Writes orientations of the shapes as given in the scene; the engine's refer to principal axes.
 void RunFile::write_orientations(Hdf5File& file, const std::string& group, const BodyList& bodies) {
   write_rows(file, group + "/orientation", 4, bodies.size(), [&](std::size_t k, double* to) {
     Quat q = bodies.pose(k).orientation;

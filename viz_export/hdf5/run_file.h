@@ -57,14 +57,14 @@ class RunFile {
     std::size_t measure;
     std::vector<double> times, values;
   };
-  /// What goes into the file with one snapshot, measures up to it too.
+  /// Data written with one snapshot, including measures up to it.
   struct Snapshot {
     SnapshotStamp stamp;
     std::vector<Rows> measures;
   };
-  /// None where a snapshot of this step or a later one is already there. It must be written.
+  /// Begins a snapshot, which must be written; none where the file has one of this step or a later one.
   std::optional<Snapshot> begin_snapshot(SnapshotStamp stamp);
-  /// Perhaps by another thread.
+  /// Writes a snapshot; may be called by another thread.
   void write(const Snapshot& snapshot, const BodyList& bodies);
   /// Both.
   void add_snapshot(const SnapshotStamp& stamp, const BodyList& bodies);

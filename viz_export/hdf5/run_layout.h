@@ -1,11 +1,11 @@
-/// @file run_layout.h  What writer and reader of run.h5 share.
+/// @file run_layout.h  Format numbers of run.h5, for writer and reader.
 #pragma once
 #include "viz_export/hdf5/hdf5_file.h"
 
 namespace epafi::run_layout {
 
 inline constexpr const char* kind = "epafi run";
-/// Grows when a reader of the last number would be wrong about the file.
+/// Increases with each incompatible change.
 inline constexpr std::uint64_t format = 2;
 /// The oldest that is read. 1: points of shapes and orientations are of principal axes, not of those that the scene
 /// wrote; shapes have no names; rows of bodies that came later may be empty.

@@ -12,7 +12,7 @@ namespace epafi {
 
 namespace {
 
-/// Trouble with a file that is there, and may be read, is damage of it.
+/// Reports an error in an existing, readable file as damage.
 template <class Read>
 auto read_undamaged(const std::filesystem::path& path, const Read& read) {
   try {
@@ -82,7 +82,7 @@ struct StoredRun::Impl {
       if (s < -1 || s >= static_cast<std::int32_t>(surfaces.size())) refuse("a body has a surface that is not there");
   }
 
-  /// Without motion.
+  /// Record of a body, without position and velocity.
   BodyRecord body(std::uint32_t id) const {
     BodyRecord b;
     b.id = id;

@@ -21,7 +21,7 @@ struct StoredMeasure {
   std::vector<double> times, values;  ///< values row by row
 };
 
-/// How a scene names what a body is.
+/// Words of the scene for shape, material and group of a body.
 struct StoredWords {
   std::string shape;     ///< name or table of a shape that is no sphere; "" where the file does not say
   double size = 1.0;     ///< factor of the shape's lengths

@@ -64,7 +64,7 @@ const Field least{"least",
                   "contacts below which a body is a rattler: 4 without friction, 2 with it"};
 const Field window{"window", "", "s", Kind::number, 0.1, positive, "the rate is the mean over this time"};
 
-/// The same key where a kind does without it.
+/// The same key as an optional one.
 Field if_written(Field field) {
   field.optional = true;
   return field;

@@ -19,7 +19,7 @@ struct Weighed {
   }
 };
 
-/// The largest of several displacements: across and down [m].
+/// Largest of several displacements: horizontal and downward [m].
 struct Farthest {
   double distance = 0.0, sag = 0.0;
   Farthest& operator+=(const Farthest& o) {
@@ -62,7 +62,7 @@ void ForceMeasure::sample(const StepView& view, std::vector<double>& values) {
   values = {sum.x(), sum.y(), sum.z()};
 }
 
-/// Where the place is drawn that stands still on the reference body; the place itself where there is none.
+/// World position of a point fixed to the reference body; the point itself where there is none.
 Vec3 DriftMeasure::carried(const World& w, const Vec3& place) const {
   const Slot reference = reference_in(w);
   if (reference == no_slot) return place;
@@ -70,7 +70,7 @@ Vec3 DriftMeasure::carried(const World& w, const Vec3& place) const {
   return w.unwrapped(reference) + turned;
 }
 
-/// The inverse: in the axes of the reference body.
+/// Inverse of carried(): a world position in the frame of the reference body.
 Vec3 DriftMeasure::seen(const World& w, const Vec3& place) const {
   const Slot reference = reference_in(w);
   if (reference == no_slot) return place;

@@ -7,7 +7,7 @@
 namespace epafi {
 
 namespace {
-/// Forces times the vectors between centres [N m].
+/// Sum of forces times branch vectors [N m].
 struct Moment {
   Mat3 sum = Mat3::Zero();
   Moment& operator+=(const Moment& o) {
@@ -36,7 +36,7 @@ void StressMeasure::sample(const StepView& view, std::vector<double>& values) {
 
 namespace {
 
-/// Part of a sphere that lies in the box, by the centres of a 10 x 10 x 10 grid over it.
+/// Volume fraction of a sphere inside the box, by the cell centres of a 10 x 10 x 10 grid over the sphere.
 double part_inside(const MeasureRegion& region, const Vec3& centre, double radius) {
   const Vec3 r = Vec3::Constant(radius);
   if (region.holds(centre - r) && region.holds(centre + r)) return 1.0;
@@ -53,7 +53,7 @@ double part_inside(const MeasureRegion& region, const Vec3& centre, double radiu
   return static_cast<double>(in) / all;
 }
 
-/// f(x) for a point and its next images.
+/// Calls f(x) for a point and its nearest images.
 template <class F>
 void each_image(const World& w, const Vec3& x, const F& f) {
   if (!w.cell) return f(x);

@@ -1,5 +1,4 @@
-/// @file bulk_measures.h  What a region of a packing carries and holds: stress, solid fraction, profiles over its
-/// height.
+/// @file bulk_measures.h  Measures of a region of a packing: stress, solid fraction, profiles over its height.
 #pragma once
 #include <cmath>
 #include <limits>
@@ -20,7 +19,7 @@ struct MeasureRegion {
       high = p.vec3("region.box.max");
     }
   }
-  /// The region of this moment.
+  /// The present region.
   MeasureRegion now(const World& world) const {
     MeasureRegion r = *this;
     if (whole_cell && world.cell) {

@@ -52,7 +52,7 @@ void ContactMeasure::sample(const StepView& view, std::vector<double>& values) {
 
 namespace {
 
-/// The bodies that each touches, once: those of body s are list[begin[s]] to list[begin[s + 1]].
+/// Neighbours in contact, each once: those of body s are list[begin[s]] to list[begin[s + 1]].
 struct Neighbours {
   UnwrittenColumn<std::uint32_t> begin;
   UnwrittenColumn<Slot> list;
@@ -83,12 +83,13 @@ struct Neighbours {
 
 constexpr int gone = -1;
 
-/// Removes bodies with fewer than `least` neighbours, then those that have too few without them, until none is left:
-/// the rest does not depend on the order (the core of a graph: Seidman 1983). Every thread has bodies of its own, at
-/// least 4096; losses to bodies of other threads are passed on in the next round.
+/// Repeatedly removes bodies with fewer than `least` neighbours. The rest does not depend on the order (k-core of a
+/// graph: Seidman 1983). Each thread has its own bodies, at least 4096; removals that concern bodies of other threads
+/// are applied in the next round.
 class Rattlers {
  public:
-  /// degree: neighbours of each body, `gone` where it is not one; in the end those left, `gone` of who has left.
+  /// degree: input: number of neighbours, `gone` for other bodies; output: number of remaining ones, `gone` for removed
+  /// bodies.
   Rattlers(const Neighbours& touched, double least, UnwrittenColumn<int>& degree)
       : touched_(touched), least_(least), degree_(degree) {
     constexpr std::size_t grain = 4096;
@@ -154,7 +155,7 @@ class Rattlers {
   std::vector<Part> parts_;
 };
 
-/// How many are left, and the sum of their degrees; whole numbers, exact in any order.
+/// Number of remaining bodies and the sum of their degrees; integers, exact in any order.
 Sum3 count_left(const UnwrittenColumn<int>& degree) {
   return block_sum<Sum3>(degree.size(), [&](std::size_t s) {
     return degree[s] == gone ? Sum3{} : Sum3{1.0, static_cast<double>(degree[s]), 0.0};
@@ -165,7 +166,7 @@ Sum3 count_left(const UnwrittenColumn<int>& degree) {
 
 void Coordination::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
-  // to ask for 3 MB of 100 000 spheres at every sample was all that one thread did
+  // kept, since allocating 3 MB for 100 000 spheres at every sample would dominate the serial part
   thread_local Neighbours kept;
   thread_local UnwrittenColumn<int> kept_degree;
   Neighbours& touched = kept;  // of the caller

@@ -4,8 +4,8 @@
 
 namespace epafi {
 
-/// Of the deepest contact between the two groups: overlap [m], normal_force, tangential_force [N] (sums over their
-/// contacts), slip [m/s], point_x, point_y, point_z [m], count. All 0, and the point NaN, where they do not touch.
+/// Deepest contact between two groups: overlap [m], normal_force, tangential_force [N] (sums over their contacts), slip
+/// [m/s], point_x, point_y, point_z [m], count. All 0, and the point NaN, where they do not touch.
 class ContactMeasure final : public Measure {
  public:
   explicit ContactMeasure(MeasureSetup setup);

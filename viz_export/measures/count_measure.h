@@ -1,4 +1,4 @@
-/// @file count_measure.h  How many bodies, and how much of them, are in a region or on one side of a plane.
+/// @file count_measure.h  Number, mass and volume of bodies in a region or on one side of a plane.
 #pragma once
 #include <optional>
 

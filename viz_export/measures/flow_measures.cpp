@@ -13,11 +13,11 @@ MassFlow::MassFlow(MeasureSetup setup)
       normal_(setup_.parameters.vec3("plane.normal").normalized()),
       window_(setup_.parameters.number("window")) {}
 
-/// How many of the planes a body has before it: that of the scene, and its images along the axes that the cell repeats.
-/// A lap along an axis in the direction of the normal passes one more, wherever the body is beside the axis.
+/// Number of planes that a body has passed: that of the scene and its images along periodic axes. A wrap along an axis
+/// in the direction of the normal passes one more, at any position across it.
 int MassFlow::level(const World& w, Slot s) const {
   if (!w.cell) return (w.position[s] - point_).dot(normal_) > 0 ? 1 : 0;
-  constexpr double along_plane = 1e-12;  // of the normal: an axis within the plane passes no image
+  constexpr double along_plane = 1e-12;  // component of the normal: an axis within the plane has no images of it
   int laps = 0;
   for (int k = 0; k < 3; ++k) {
     if (!w.cell->repeats[static_cast<std::size_t>(k)] || std::abs(normal_[k]) <= along_plane) continue;
@@ -27,7 +27,7 @@ int MassFlow::level(const World& w, Slot s) const {
   return laps + ((w.cell->inside(w.position[s]) - point_).dot(normal_) > 0 ? 1 : 0);
 }
 
-/// The mass of a body for each plane that it has passed since its last sample [kg].
+/// Mass of a body times the number of planes passed since its last sample [kg].
 double MassFlow::passed(const World& w, Slot s) {
   const int now = level(w, s), before = std::exchange(level_[static_cast<std::size_t>(w.id[s])], now);
   return before == unseen ? 0.0 : (now - before) / w.inverse_mass[s];

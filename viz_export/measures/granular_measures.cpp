@@ -128,7 +128,7 @@ double ReposeMeasure::distance(const Vec3& x) const {
   return axis_ == "z" ? std::hypot(d.x(), d.y()) : std::abs(axis_ == "x" ? d.x() : d.y());
 }
 
-/// Stray bodies lie farther out: the least distance within which the share of the mass lies.
+/// Radius of the heap: smallest distance that contains 97 % of the mass; stray bodies lie beyond.
 double ReposeMeasure::reach(const World& w) const {
   constexpr double heap_share = 0.97;
   std::vector<std::pair<double, double>> masses;  // distance, mass
@@ -154,7 +154,7 @@ double ReposeMeasure::mean_diameter(const World& w) const {
   return diameters / bodies;
 }
 
-/// Number of the field along its ring; the layers of a ridge, whose ends slope too, are one field each.
+/// Index of the sector along a ring; for a ridge, whose ends also slope, each layer is one sector.
 long ReposeMeasure::field(const Vec3& x, double ring_middle, double width) const {
   if (axis_ != "z") return 0;
   constexpr double most = 1e9;
@@ -199,7 +199,7 @@ void ReposeMeasure::sample(const StepView& view, std::vector<double>& values) {
     highest = std::max(highest, ring.highest);
     if (ring.fields > 0.0) height = std::max(height, ring.height);
   }
-  // full weight from 0.4 to 0.8, none at 0.2 and 1: a ring at a sharp limit would come in or not by chance
+  // weight 1 from 0.4 to 0.8, 0 at 0.2 and 1: with a sharp limit, small changes would add or drop a ring
   const auto weight = [&](const Ring& ring) {
     const double share = ring.height / height;
     return ring.fields * std::clamp((1.0 - share) / 0.2, 0.0, 1.0) * std::clamp((share - 0.2) / 0.2, 0.0, 1.0);
@@ -239,7 +239,7 @@ void MixingMeasure::sample(const StepView& view, std::vector<double>& values) {
       both += 1;
     }
   if (both == 0) return void(values = {nan, nan});
-  // variance of the share over the cells, each weighed by its bodies; a mean cell holds n bodies as a body sees them
+  // variance of the share over the cells, weighted by their number of bodies
   const double p = first / both;
   double variance = 0;
   for (const auto& [place, cell] : cells)

@@ -1,4 +1,4 @@
-/// @file granular_measures.h  What granular users look at: one contact's loop, force chains, heaps, mixing, outlets.
+/// @file granular_measures.h  Granular measures: hysteresis of a contact, force chains, heaps, mixing, outlets.
 #pragma once
 #include <limits>
 #include <utility>
@@ -57,7 +57,7 @@ class ReposeMeasure final : public Measure {
     double at = 0, height = -std::numeric_limits<double>::infinity();
   };
   struct Ring {
-    double fields = 0, at = 0, height = 0;  ///< how many with bodies; means of their highest tops [m]
+    double fields = 0, at = 0, height = 0;  ///< number of sectors with bodies; means of their highest points [m]
     double highest = -std::numeric_limits<double>::infinity();
   };
   double distance(const Vec3& x) const;
@@ -84,7 +84,7 @@ class MixingMeasure final : public Measure {
   double edge_;
 };
 
-/// What an outlet has taken out: count, mass [kg].
+/// Bodies removed by an outlet: count, mass [kg].
 class OutletMeasure final : public Measure {
  public:
   explicit OutletMeasure(MeasureSetup setup) : tally_(setup.tally) {}

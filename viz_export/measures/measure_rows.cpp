@@ -12,7 +12,7 @@ bool is_number(const std::string& line, std::size_t begin, std::size_t end, doub
   return result.ec == std::errc() && result.ptr == line.data() + end;
 }
 
-/// A field as csv_field wrote it.
+/// Reads a field written by csv_field.
 std::string unquoted(std::string text) {
   if (text.size() < 2 || text.front() != '"') return text;
   text = text.substr(1, text.size() - 2);

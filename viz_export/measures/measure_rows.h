@@ -17,7 +17,7 @@ struct MeasureRow {
 };
 [[nodiscard]] std::optional<MeasureRow> measure_row(const std::string& line);
 
-/// What is no row in a file of them, but its head and its last line, which may be torn.
+/// Lines of a file that are no valid rows, except its head and a truncated last line.
 struct GarbledRows {
   std::size_t count = 0, first_line = 0;  ///< line: from 1; 0 where the beginning of the file was passed over
   /// "FILE:LINE: ..."; empty where all rows can be read.

@@ -11,7 +11,7 @@ struct Row {
   const char *quantity, *unit;
 };
 
-/// The first row that fits counts.
+/// The first matching row counts.
 constexpr Row rows[] = {
     {"run", "number", "contacts", ""},
     {"run", "overlap_relative", "overlap over radius", ""},

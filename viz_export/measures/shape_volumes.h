@@ -12,7 +12,7 @@ namespace epafi {
 class ShapeVolumes {
  public:
   explicit ShapeVolumes(const ShapeStore* shapes) : shapes_(shapes) {}
-  /// Those of all bodies in the world; by one thread, before several ask.
+  /// Computes the volumes of all bodies in the world; call by one thread before parallel use.
   void find(const World& world) {
     for (const std::uint32_t packed : world.shape) {
       const ShapeRef shape{packed};

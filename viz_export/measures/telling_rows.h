@@ -1,4 +1,4 @@
-/// @file telling_rows.h  Rows of a measure that stand for all of a long one in a curve.
+/// @file telling_rows.h  Selected rows of a long measure for a curve.
 #pragma once
 #include <cmath>
 #include <cstddef>
@@ -8,9 +8,8 @@
 
 namespace epafi {
 
-/// The first and the last row, and of each stretch between them those with the least and the largest value of this
-/// component: every so many rows would miss a blow that lasts but one. Ascending, `most` at most; all where there are
-/// no more.
+/// The first and the last row, and of each interval those with the least and the largest value of this component, so
+/// that short peaks are not missed. Ascending, at most `most`.
 [[nodiscard]] inline std::vector<std::size_t> telling_rows(const StoredMeasure& m, std::size_t component,
                                                            std::size_t most) {
   const std::size_t n = m.times.size(), width = m.components.size(), stretches = most > 4 ? most / 2 - 1 : 1;

@@ -25,7 +25,7 @@ void WheelsetMeasure::sample(const StepView& view, std::vector<double>& values) 
   for (std::size_t k = 0; k < c.size() && k < c.force.size(); ++k) {
     const bool first = c.a[k] == s && c.b[k] == rail, second = c.b[k] == s && c.a[k] == rail;
     if (!first && !second) continue;
-    // the wheel is named in the feature: 16 and above are the right one's
+    // the feature holds the wheel: 16 and above is the right one
     (c.feature[k] >= 16 ? right : left) += (first ? 1.0 : -1.0) * (at.frame.orientation.conjugate() * c.force[k]);
     if (!c.force[k].isZero()) contacts += 1.0;
   }

@@ -1,4 +1,4 @@
-/// @file wheelset_measure.h  A wheelset in the axes of the track: where it stands and what the rails do to each wheel.
+/// @file wheelset_measure.h  A wheelset in the axes of the track: position, angles and the force on each wheel.
 #pragma once
 #include "viz_export/measures/measure.h"
 
@@ -19,7 +19,7 @@ class WheelsetMeasure final : public Measure {
   MeasureSetup setup_;
 };
 
-/// Half of the way that a wheelset swings across the track within the last `window` [m]: its hunting.
+/// Amplitude of hunting: half of the lateral range of a wheelset within the last `window` [m].
 class SwingMeasure final : public Measure {
  public:
   explicit SwingMeasure(MeasureSetup setup) : window_(setup.parameters.number("window")), place_(std::move(setup)) {}

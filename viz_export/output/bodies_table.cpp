@@ -25,7 +25,7 @@ void append_state(std::string& out, const BodyRecord& b) {
 
 namespace {
 
-/// A cell that a comma or a quote would break stands in quotes, its own doubled.
+/// Quotes a cell with a comma or a quote; quotes inside are doubled.
 std::string csv_cell(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string out = "\"";
@@ -33,7 +33,7 @@ std::string csv_cell(const std::string& text) {
   return out + "\"";
 }
 
-/// BodyColumns of numbers, all as long.
+/// Columns of numbers, of equal length.
 struct BodyColumns {
   std::vector<std::string> names;
   std::vector<std::vector<double>> values;
@@ -47,7 +47,7 @@ struct BodyColumns {
   }
 };
 
-/// Names of the columns of a dataset of vectors; empty: it is none that says something of bodies.
+/// Names of the columns of a dataset of vectors; empty where it does not describe bodies.
 std::vector<std::string> parts_of(const std::string& name) {
   static const std::map<std::string, std::vector<std::string>> parts{{"position", {"x", "y", "z"}},
                                                                      {"velocity", {"vx", "vy", "vz"}},
@@ -57,7 +57,7 @@ std::vector<std::string> parts_of(const std::string& name) {
   return found == parts.end() ? std::vector<std::string>{} : found->second;
 }
 
-/// Its extent; none for a group.
+/// Extent of a dataset; none for a group.
 std::optional<std::vector<std::size_t>> extent_of(const Hdf5File& file, const std::string& name) {
   try {
     return file.shape(name);

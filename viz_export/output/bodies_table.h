@@ -8,7 +8,7 @@
 
 namespace epafi {
 
-/// Of pose and velocities, as columns of a table.
+/// Columns of pose and velocities in a table.
 inline constexpr const char* state_columns = "x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz";
 
 /// The values of those columns at the end of `out` [m], [m/s], unit quaternion, [rad/s].

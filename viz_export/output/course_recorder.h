@@ -9,9 +9,9 @@
 
 namespace epafi {
 
-/// Looks where the energies are measured anyhow and writes a row at each thousandth of the run, and once a second of
-/// the clock while the run is younger than a thousand seconds, later at each thousandth of its age. Which rows are
-/// written depends on the clock, their values do not.
+/// Writes rows in steps that measure the energies: at each thousandth of the run, and once a second of the clock in the
+/// first thousand seconds, later at each thousandth of the elapsed time. Which rows are written depends on the clock,
+/// their values do not.
 class CourseRecorder final : public Observer {
  public:
   struct Setup {

@@ -27,7 +27,7 @@ void append_rows(std::string& out, const StoredSnapshot& snapshot) {
   }
 }
 
-/// A table whose parts `next` gives until it gives "".
+/// Writes a table whose parts `next` returns, until it returns "".
 template <class Next>
 void write_table(const std::filesystem::path& path, const std::string& header, Next&& next) {
   SideFile side(path);
@@ -48,7 +48,7 @@ void write_snapshots_csv(const std::filesystem::path& path, const StoredRun& run
   });
 }
 
-/// bodies.csv holds bodies only: a warning says what it leaves out.
+/// Notes on what bodies.csv leaves out: it holds bodies only.
 std::vector<std::string> notes_on_bodies(const StoredRun& run, const std::vector<BodyRecord>& bodies) {
   const auto is_free = [](const BodyRecord& b) { return !b.is_wall(); };
   const auto has_axes = [&](const BodyRecord& b) { return is_free(b) && b.surface != nullptr; };

@@ -15,7 +15,7 @@ enum class ExportFormat {
         ///< orientations of the axes in which the scene wrote the shapes, radius or shape and size, material, group
 };
 
-/// What was written, for the user.
+/// Report of what was written.
 struct ExportReport {
   std::size_t snapshots = 0, measures = 0;
   std::vector<std::string> notes{};  ///< what a run that starts from the tables does not get

@@ -64,7 +64,7 @@ void MeasureRecorder::observe(const StepView& view) {
     if (csv_ != nullptr && is_written) csv_->add(view.world.time, name_, components_[c], values_[c]);
     last_[c] = values_[c];
     if (std::isnan(values_[c])) continue;
-    // fmin passes over NaN
+    // fmin ignores NaN
     min_[c] = std::fmin(min_[c], values_[c]);
     max_[c] = std::fmax(max_[c], values_[c]);
   }

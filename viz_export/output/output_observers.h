@@ -28,7 +28,7 @@ class StateRecorder final : public Observer {
       : files_(std::make_shared<Files>(Files{run, frames, SurfaceCache(shapes), std::move(stage)})),
         due_(due),
         residuals_(std::move(residuals)) {}
-  /// By this thread from now on, from a copy of what is shown, while the run goes on.
+  /// Uses this thread from now on, with a copy of the data, while the run continues.
   void write_beside(OutputThread& thread) { beside_ = &thread; }
   bool is_due(std::uint64_t step) const override { return due_.is_due(step); }
   ContactView wants_contacts(std::uint64_t step, bool last) const override {

@@ -18,7 +18,7 @@ OutputThread::~OutputThread() {
   thread_.join();
 }
 
-/// False where the system gives no thread (a limit of processes or of memory).
+/// False where the system cannot create a thread (limit of processes or memory).
 bool OutputThread::start() {
   if (thread_.joinable()) return true;
   const AllPlaces anywhere;

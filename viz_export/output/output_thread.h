@@ -8,9 +8,8 @@
 
 namespace epafi {
 
-/// One job at a time: whoever has the next one waits until the last one is done, so files come in the order of the run
-/// and no more than one copy of what they show is in memory. HDF5 is not thread-safe: between add() and wait() nobody
-/// else may call it.
+/// One job at a time: add() waits until the last one is done, so files are in the order of the run and only one copy of
+/// their data is in memory. HDF5 is not thread-safe: between add() and wait() nobody else may call it.
 class OutputThread {
  public:
   OutputThread() = default;

@@ -27,14 +27,14 @@ std::string quoted(const std::string& text) {
   return out + "\"";
 }
 
-/// A file's name inside single quotes, where only the quote itself means anything.
+/// A file name for gnuplot inside single quotes, where only the quote itself is special.
 std::string single_quoted(const std::string& name) {
   std::string out;
   for (const char c : name) out += c == '\'' ? "''" : std::string(1, c);
   return out;
 }
 
-// eight colours told apart by people who do not see red and green alike (Okabe and Ito 2008)
+// eight colours that colour-blind people can distinguish (Okabe and Ito 2008)
 constexpr const char* colours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00",
                                    "#56B4E9", "#000000", "#8C6D31", "#6A51A3", "#7F7F7F"};
 
@@ -57,7 +57,7 @@ bool run_gnuplot(const fs::path& script) {
   return drawn;
 }
 
-/// Draws the same plot twice: as a vector picture and as pixels.
+/// Draws the same plot twice: as vector graphics and as a bitmap.
 bool render(const fs::path& path, const std::string& data, const std::string& settings, const std::string& plot,
             const char* svg_size = "1000,680") {
   const std::string stem = single_quoted(path.filename().string());
@@ -71,7 +71,7 @@ bool render(const fs::path& path, const std::string& data, const std::string& se
   return run_gnuplot(fs::path(path) += ".gp");
 }
 
-/// 1, 2 and 5 times powers of ten inside a range that holds no more than three decades; else nothing.
+/// Tics at 1, 2 and 5 times powers of ten for a range of up to three decades; else "".
 std::string written_tics(char axis, double from, double to) {
   if (!(to <= 2000 * from)) return "";
   std::string out;
@@ -83,7 +83,7 @@ std::string written_tics(char axis, double from, double to) {
   return fmt::format("set format {0} '%.3g'\nset {0}tics ({1})\n", axis, out);
 }
 
-/// Of one axis: its range with some room, its scale and its tics.
+/// Settings of one axis: range with a margin, scale and tics.
 std::string axis_settings(char axis, double low, double high, bool log, double below, double above) {
   if (!log) {
     const double room = 0.06 * (high > low ? high - low : std::max(std::abs(high), 1.0));
@@ -106,7 +106,7 @@ std::string frame(const std::string& title, const std::string& x, const std::str
          "center outside horizontal height 1 samplen 2 spacing 1.3\nset format '%g'\n";
 }
 
-/// What an axis shows.
+/// Range of an axis.
 struct PlotRange {
   double low = INFINITY, high = -INFINITY;
   void include(double value) {
@@ -179,7 +179,7 @@ bool draw(const ScatterPlot& plot, const fs::path& path) {
 }
 
 namespace {
-/// Counts have no halves: steps of one where there are few.
+/// Integer tics for small counts.
 std::string steps_of_counts(const LinePlot& plot) {
   PlotRange y;
   bool whole = true;

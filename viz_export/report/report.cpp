@@ -54,7 +54,7 @@ struct Page {
   }
 };
 
-/// Above all else: that the run has no end, and what then holds of this page.
+/// Note at the top for an unfinished run, and what the page then shows.
 void state(Page& p) {
   const std::string status = p.summary.text("status"), cut = p.source.cut_text();
   std::string text;
@@ -72,7 +72,7 @@ void state(Page& p) {
   if (!text.empty()) p.html += "<p class='warning'>" + escaped(text) + "</p>";
 }
 
-/// "bodies at the end, 503 taken out"; what did not happen is left out.
+/// Text as "bodies at the end, 503 taken out"; zero counts are left out.
 std::string bodies_label(const Page& p) {
   const auto removed = p.summary.number("bodies_removed").value_or(0.0),
              lost = p.summary.number("bodies_lost").value_or(0.0);
@@ -120,7 +120,7 @@ void warnings(Page& p) {
 /// Key of one stage's value in the summary.
 std::string stage_key(std::size_t k, const char* what) { return fmt::format("stages.{}.{}", k, what); }
 
-/// The acts of the run, where the scene has any.
+/// The stages of the run, where the scene has any.
 void acts(Page& p) {
   if (!p.summary.number(stage_key(0, "from"))) return;
   p.html +=
@@ -143,7 +143,7 @@ std::string stage_at(const Page& p, double time) {
   return {};
 }
 
-/// With the last frame of each stage of which none is shown, of so many stages as a page can hold.
+/// Adds the last frame of each stage that has none shown, up to the number that a page can hold.
 std::vector<std::size_t> with_each_stage(const Page& p, const std::vector<double>& times,
                                          std::vector<std::size_t> shown) {
   constexpr std::size_t most = 24;
@@ -156,8 +156,8 @@ std::vector<std::size_t> with_each_stage(const Page& p, const std::vector<double
   return shown;
 }
 
-/// Six frames of one camera, at least one of each stage, chosen by what happens between them; where contacts are few,
-/// those of the last one too.
+/// Six frames from one camera, at least one per stage, chosen by the changes between them; where contacts are few, also
+/// those of the last frame.
 void pictures(Page& p, const ViewSource& source) {
   if (source.times().empty()) return;
   const Overview overview = look_over(source);
@@ -197,7 +197,7 @@ void pictures(Page& p, const ViewSource& source) {
   p.html += "</div>";
 }
 
-/// The page of `epafi view` within this one.
+/// Embeds the page of `epafi view`.
 void three_dimensions(Page& p, const ViewSource& source) {
   if (source.times().empty() || page_parts().three[0] == '\0') return;
   constexpr std::size_t most = 8'000'000;
@@ -215,7 +215,8 @@ struct Course {
   std::vector<PlotLine> lines;
 };
 
-/// A plot for every eight curves; of very many, as of fine profiles, some that stand for all. False without gnuplot.
+/// Plots curves, eight per plot; a sample of them where there are very many, as of fine profiles. False without
+/// gnuplot.
 bool plot(Page& p, const std::string& file, Course course) {
   const std::size_t all = course.lines.size(), most = curves_of_plot * most_plots;
   if (all > most) {
@@ -245,7 +246,7 @@ bool plot(Page& p, const std::string& file, Course course) {
   return true;
 }
 
-/// Plots for each quantity of the measure, with a curve per component that moves.
+/// Plots for each quantity of the measure, with a curve for each component that changes.
 void curves(Page& p, const std::string& name, const std::string& title, const StoredMeasure& m) {
   std::map<std::string, std::vector<PlotLine>> by_axis;
   const std::size_t width = m.components.size();

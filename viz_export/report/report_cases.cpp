@@ -15,7 +15,7 @@
 namespace epafi {
 namespace {
 
-/// The overrides that are not the same in all cases; those of a single case all.
+/// Overrides that differ between cases; for a single case, all of them.
 std::vector<TableColumn> override_columns(const std::vector<ReportCase>& cases) {
   std::set<std::string> keys;
   for (const ReportCase& one : cases)
@@ -27,7 +27,7 @@ std::vector<TableColumn> override_columns(const std::vector<ReportCase>& cases) 
     if (!column.differs() && cases.size() != 1) continue;
     TableColumn few = column;
     few.shorten();
-    // digits that tell cases apart stay
+    // keep the digits that distinguish cases
     const bool alike =
         std::set(few.cells.begin(), few.cells.end()).size() < std::set(column.cells.begin(), column.cells.end()).size();
     if (!alike) column = std::move(few);

@@ -25,10 +25,10 @@ bool has_ended(const ReportCase& one);
 /// Damaged or missing run files leave only the summary.
 ReportCase read_case(const std::filesystem::path& folder);
 
-/// What differs between cases comes first, then what is known of each, then what was measured at the end.
+/// Table of cases: first the overrides that differ, then facts of each run, then measures at the end.
 std::string cases_html(const std::vector<ReportCase>& cases);
 
-/// What went wrong: the first three, the others folded up.
+/// List of warnings: the first three, the others collapsed.
 std::string warnings_html(const std::vector<ReportCase>& cases);
 
 }  // namespace epafi

@@ -27,14 +27,14 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t most_pictures = 12;
 
-/// A case that is drawn.
+/// A case with a picture.
 struct DrawnCase {
   std::string name;
   std::unique_ptr<ViewSource> source;
   Overview overview;
 };
 
-/// Cases of nearly one size get one camera and one range of colours: pictures can then be compared.
+/// Gives cases of similar size one camera and one range of colours, for comparable pictures.
 void share_overview(std::vector<DrawnCase>& cases) {
   constexpr double alike = 2.0;
   if (cases.empty()) return;
@@ -56,7 +56,7 @@ void share_overview(std::vector<DrawnCase>& cases) {
   }
 }
 
-/// How each case ended, of a few; those without a state that can be read have none.
+/// Pictures of the final state, where cases are few and their state can be read.
 std::string pictures_of(const std::vector<fs::path>& cases) {
   std::vector<DrawnCase> drawn;
   for (std::size_t k = 0; k < std::min(cases.size(), most_pictures); ++k) {
@@ -87,7 +87,7 @@ std::string pictures_of(const std::vector<fs::path>& cases) {
   return html.empty() ? html : "<h2>How the " + which + " ended</h2><div class='grid three'>" + html + "</div>";
 }
 
-/// Of a chart or limits by their JSON, of a patch by its maps, as HTML; "": there is none.
+/// Title as HTML, from the JSON of a chart or limits, or the maps of a patch; "": there is none.
 std::string title_of(const fs::path& folder) {
   for (const char* name : {"chart.json", "limits.json"})
     if (fs::exists(folder / name)) return html_escaped(flat_json(read_whole_file(folder / name)).text("title"));
@@ -102,11 +102,11 @@ std::string title_of(const fs::path& folder) {
   return {};
 }
 
-/// On top: what is still to come of a chart, limits or sweep.
+/// Note at the top on the unfinished part of a chart, limits or sweep.
 std::string unfinished(const fs::path& folder, const std::vector<ReportCase>& cases) {
   const auto mark = read_study_mark(folder);
   if (!mark) return {};
-  // those of limits are named by what they are; beside the others may lie runs that are compared with
+  // runs of limits are recognised by their names; in other folders there may be runs for comparison
   const auto ended = std::count_if(cases.begin(), cases.end(), [&](const ReportCase& one) {
     return has_ended(one) && (mark->kind == "limits" || one.name.starts_with("case_"));
   });
@@ -114,7 +114,7 @@ std::string unfinished(const fs::path& folder, const std::vector<ReportCase>& ca
   return text.empty() ? text : "<p class='warning'>" + html_escaped(text) + "</p>";
 }
 
-/// Of runs of one scene; "" where they are of several. Those that cannot be read have none.
+/// Common title of the runs; "" where it differs. Unreadable runs have none.
 std::string common_title(const std::vector<ReportCase>& cases) {
   std::string title;
   for (const ReportCase& one : cases) {
@@ -131,17 +131,17 @@ std::string count_text(const std::string& title, const std::vector<ReportCase>& 
   return fmt::format("{}: {} case{}{}", title, cases.size(), cases.size() > 1 ? "s" : "", rest);
 }
 
-/// What belongs to the chart above it: its points, or those of the limits.
+/// True for a table of the points of a chart or of limits.
 bool is_study(const fs::path& table) { return table.stem() == "chart" || table.stem() == "limits"; }
 
-/// Cases of a chart or of limits have its own picture.
+/// True for the folder of a sweep; charts and limits have a picture of their own.
 bool is_swept(const fs::path& folder) {
   const auto mark = read_study_mark(folder);
   const bool has_picture = fs::exists(folder / "chart.json") || fs::exists(folder / "limits.json");
   return !has_picture && (!mark || mark->kind == "sweep");
 }
 
-/// Charts and maps that lie in the folder; two in a row where there are several.
+/// Charts and maps in the folder; two per row where there are several.
 std::string drawings_in(const fs::path& folder) {
   const std::vector<fs::path> all = files_with(folder, ".svg");
   std::string html;

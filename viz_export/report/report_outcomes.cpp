@@ -34,7 +34,7 @@ std::string value_of(const ReportCase& one, const std::string& key) {
   return found == one.set.end() ? "" : found->second;
 }
 
-/// Overrides that are not the same in all cases, and how many values each has.
+/// Overrides that differ between cases, with their number of values.
 std::map<std::string, std::size_t> swept_keys(const std::vector<ReportCase>& cases) {
   std::set<std::string> keys;
   for (const ReportCase& one : cases)
@@ -48,7 +48,7 @@ std::map<std::string, std::size_t> swept_keys(const std::vector<ReportCase>& cas
   return out;
 }
 
-/// The number with the most values; a seed only where nothing else is swept.
+/// The numeric override with most values; a seed only where nothing else is swept.
 std::string abscissa_of(const std::vector<ReportCase>& cases, const std::map<std::string, std::size_t>& keys) {
   std::string best;
   std::size_t most = 0;
@@ -63,7 +63,7 @@ std::string abscissa_of(const std::vector<ReportCase>& cases, const std::map<std
   return best;
 }
 
-/// Of the summary, and what stands on its axis.
+/// A value of the summary, and the label of its axis.
 struct Outcome {
   std::string key, label;
 };
@@ -88,7 +88,7 @@ std::vector<Outcome> outcomes_of(const std::vector<ReportCase>& cases) {
   return out;
 }
 
-/// "params.mu=0.4, run.scheme=euler": what else a case has been told.
+/// The other overrides of a case, as "params.mu=0.4, run.scheme=euler".
 std::string others_of(const ReportCase& one, const std::map<std::string, std::size_t>& keys, const std::string& at) {
   std::string out;
   for (const auto& [key, values] : keys)

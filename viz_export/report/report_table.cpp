@@ -24,7 +24,7 @@ bool is_number(const std::string& text) {
   return !text.empty() && std::from_chars(text.data(), end, value).ptr == end;
 }
 
-/// Lines of heads may end behind the dots of keys.
+/// Lets lines break after the dots of keys.
 std::string breakable(const std::string& head) {
   std::string out;
   for (std::size_t k = 0; k < head.size(); ++k) {
@@ -34,7 +34,7 @@ std::string breakable(const std::string& head) {
   return out;
 }
 
-/// Six digits of what has more; whole numbers as they are.
+/// Rounds to six digits; integers are unchanged.
 std::string shortened(const std::string& number) {
   constexpr std::size_t few = 7;  // characters
   const bool whole = number.find_first_not_of("-0123456789") == number.npos;
@@ -43,7 +43,7 @@ std::string shortened(const std::string& number) {
   return whole || number.size() <= few ? number : fmt::format("{:.6g}", value);
 }
 
-/// Takes out the columns that say nothing, or one thing in all of several rows; what they said, for below the table.
+/// Removes columns that are empty or constant over several rows; returns the constants as a text below the table.
 std::string take_out_constants(std::vector<TableColumn>& columns) {
   std::string same, nothing;
   std::erase_if(columns, [&](const TableColumn& column) {
@@ -74,7 +74,7 @@ std::vector<std::string> csv_fields(const std::string& line) {
   return out;
 }
 
-/// The first line that is not empty and no comment has the heads.
+/// Reads the columns; the first line that is neither empty nor a comment has their names.
 std::vector<TableColumn> csv_columns(const std::filesystem::path& path, std::size_t& rows) {
   std::vector<TableColumn> columns;
   std::istringstream in(read_whole_file(path));

@@ -36,7 +36,7 @@ void add_energies(const StoredMeasure& m, FlatJson& out) {
       out.numbers["energy." + m.components[c]] = value;
 }
 
-/// The summary where it is whole, else why it is not: it was cut, or is the JSON of something else.
+/// The summary, or why it is not valid: truncated, or other JSON.
 struct SummaryReading {
   FlatJson summary;
   std::string damage{};

@@ -1,5 +1,4 @@
-/// @file run_facts.h  What is known of a run in the form of its summary.json: of one that goes on or was killed what
-/// its other files tell.
+/// @file run_facts.h  Data of a run in the form of its summary.json; for a running or killed one from its other files.
 #pragma once
 #include <filesystem>
 
@@ -9,7 +8,7 @@
 namespace epafi {
 
 /// summary.json where it is there; else status "running" or "cut", time, bodies, last energies, measures, warnings.
-/// What only the end of a run tells (steps, overlap, residual over all steps, time by stage) is absent then.
+/// Facts known only at the end of a run (steps, overlap, residual over all steps, time by stage) are absent then.
 [[nodiscard]] FlatJson run_facts(const std::filesystem::path& folder);
 [[nodiscard]] FlatJson run_facts(const std::filesystem::path& folder, const ViewSource& source);
 

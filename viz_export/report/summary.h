@@ -1,4 +1,4 @@
-/// @file summary.h  What a run was and what came out, as summary.json. A quantity that a scene does not have is absent.
+/// @file summary.h  Description and results of a run, as summary.json. A quantity that a scene does not have is absent.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -17,8 +17,8 @@ struct RunSummary {
     double kinetic = 0, potential = 0;  ///< at the end [J]
     std::optional<double> elastic;      ///< [J]; smooth contact only
     double dissipated = 0, work = 0;    ///< since the start [J]
-    double gained = 0;                  ///< put in by contacts since the start, a fault of the method [J]
-    std::optional<double> correction;   ///< put in by moving overlapping bodies apart [J]; non-smooth only
+    double gained = 0;                  ///< created by contacts since the start, an error of the method [J]
+    std::optional<double> correction;   ///< created by position correction [J]; non-smooth only
     double relative_error = 0;          ///< of the ledger
   };
   struct Overlap {
@@ -40,7 +40,7 @@ struct RunSummary {
   std::string scene;
   std::string scene_hash;
   std::string status;       ///< completed, bound_violated, failed, interrupted
-  std::string stop_reason;  ///< why it ended before its time and well; else empty and absent
+  std::string stop_reason;  ///< why it ended early without failure; else empty and absent
   struct StageTimes {
     std::string name;
     double from = 0, until = 0;  ///< [s]
@@ -48,7 +48,7 @@ struct RunSummary {
   };
   std::vector<StageTimes> stages{};   ///< absent where the scene has none
   std::string failure;                ///< why, where the status is not completed; else empty and absent
-  std::vector<std::string> warnings;  ///< what went wrong without ending the run; empty where nothing did
+  std::vector<std::string> warnings;  ///< warnings of the run; may be empty
   std::uint64_t bodies = 0, bodies_lost = 0;
   std::uint64_t bodies_removed = 0;  ///< by remove_at, stages, outlets and the domain
   std::uint64_t steps = 0;
@@ -58,7 +58,7 @@ struct RunSummary {
   double cpu_time = 0;                     ///< of the stepping, all threads, output included [s]
   int threads = 1;                         ///< of each process
   std::optional<RankFigures> ranks;        ///< of a run that several processes share
-  std::string ranks_share;                 ///< what of it they do together
+  std::string ranks_share;                 ///< part of the work that they share
   std::optional<double> ns_per_body_step;  ///< of moving bodies, everything but output
   StageSeconds stage_seconds;
   std::optional<double> contacts_mean;

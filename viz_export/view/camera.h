@@ -1,5 +1,5 @@
-/// @file camera.h  Where a run is seen from: the page and `epafi render` place the same camera by the same formulas
-/// (page/camera.js). Up is against gravity.
+/// @file camera.h  Camera of a run: page and `epafi render` use the same formulas (page/camera.js). Up is against
+/// gravity.
 #pragma once
 #include <string>
 #include <utility>
@@ -35,7 +35,7 @@ struct Camera {
 /// Names and the direction from the target to the eye, as if up were z.
 [[nodiscard]] const std::vector<std::pair<std::string, Vec3>>& camera_presets();
 
-/// What is up in pictures of a run, unit: what its scene says, else against gravity, else z.
+/// Up direction of pictures, unit: that of the scene, else against gravity, else z.
 [[nodiscard]] Vec3 upwards(const RunAbout& about);
 
 /// Turns z to `up` (unit) by the shortest way, by half a turn about x where they are opposite.

@@ -48,7 +48,7 @@ inline Rgb inferno(double share) {
   return polynomial_colour(c, share);
 }
 
-/// Of a map: where all have one value.
+/// Position in a colour map where all values are equal.
 inline constexpr double only_share = 0.5;
 
 inline constexpr std::size_t kinds_apart = 12;  ///< further kinds repeat their colours

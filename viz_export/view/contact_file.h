@@ -17,7 +17,7 @@ struct StoredContact {
   float residual = 0;                   ///< its part of the solver's; 0 where the run has none
 };
 
-/// Of a frame.
+/// Contacts of one frame.
 struct ContactFile {
   std::vector<StoredContact> contacts;
   bool has_residual = false;

@@ -12,7 +12,7 @@ namespace {
 
 using FieldKind = ViewField::Kind;
 
-/// Of a closed surface, by the divergence theorem; of a sphere without one [m^3].
+/// Volume of a closed surface by the divergence theorem, or of a sphere without one [m^3].
 double volume_of(const BodyRecord& b) {
   if (b.surface == nullptr) return 4.0 / 3.0 * std::numbers::pi * b.radius * b.radius * b.radius;
   const Surface& s = *b.surface;
@@ -29,7 +29,7 @@ double volume_of(const BodyRecord& b) {
   return std::abs(six_volumes) / 6.0;
 }
 
-/// The row of each id; `rows.size()` and above: not there.
+/// Row of each id; `rows.size()` and above: missing.
 class RowsByID {
  public:
   explicit RowsByID(const ViewFrame& frame) : none_(static_cast<std::uint32_t>(frame.bodies.size())) {
@@ -43,7 +43,7 @@ class RowsByID {
   std::vector<std::uint32_t> rows_;
 };
 
-/// Arm times force of every contact over the volume.
+/// Stress: sum of arm times force over the contacts, divided by the volume.
 void divide_by_volumes(const ViewFrame& frame, ContactSums& sums) {
   std::map<const Surface*, double> volumes;
   for (std::size_t k = 0; k < frame.bodies.size(); ++k) {
@@ -62,7 +62,7 @@ void divide_by_volumes(const ViewFrame& frame, ContactSums& sums) {
   }
 }
 
-/// sqrt(3/2 s:s) of the deviator s of the symmetric part.
+/// Von Mises stress sqrt(3/2 s:s), s the deviator of the symmetric part.
 double von_mises(const Mat3& stress) {
   const Mat3 even = 0.5 * (stress + stress.transpose());
   const Mat3 s = even - even.trace() / 3 * Mat3::Identity();

@@ -1,4 +1,4 @@
-/// @file fields.h  What bodies can be coloured by: values of one frame, per body, with units.
+/// @file fields.h  Fields for colours: values of one frame, per body, with units.
 #pragma once
 #include <array>
 #include <optional>
@@ -22,13 +22,13 @@ struct ViewField {
   bool whole = false;  ///< a count or a number of something
 };
 
-/// Those that the source can give, "speed" first.
+/// Fields that the source has, "speed" first.
 [[nodiscard]] std::vector<ViewField> view_fields(const ViewSource& source);
 
-/// Of all fields, whether a source has them or not.
+/// Names of all fields, whether or not a source has them.
 [[nodiscard]] std::vector<std::string> view_field_names();
 
-/// What the contacts of a frame do to each of its bodies.
+/// Sums over the contacts of a frame, per body.
 struct ContactSums {
   std::vector<float> count, force, residual;  ///< number, sum of normal forces [N], Euclidean part of the residual
   /// Stress in the mean over the body, tension positive [Pa]: sum of arm times force over the volume (Love 1927). The

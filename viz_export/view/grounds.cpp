@@ -14,7 +14,7 @@ double top_of(const BodyRecord& wall, const Vec3& up) {
   return top;
 }
 
-/// Of the centres of free bodies, without strays; infinite where there are none.
+/// Lowest centre of free bodies along `up`, without strays; infinite where there are none.
 double lowest_centre(const ViewFrame& frame, const Vec3& up) {
   constexpr std::size_t few = 50;
   constexpr double strays = 0.02;

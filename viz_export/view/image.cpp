@@ -29,7 +29,7 @@ const char* outline_of(char32_t c) {
 
 constexpr char32_t no_character = 0xFFFD;  // in place of what is no UTF-8
 
-/// The first character of a text, taken from it; signs that only steer the line become blanks.
+/// Removes and returns the first character of a text; control characters become blanks.
 char32_t next_character(std::string_view& text) {
   const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
   const unsigned char first = byte(0);
@@ -74,7 +74,7 @@ std::vector<Edge> edges_of(const char* outline, double x, double y, double size)
   return out;
 }
 
-/// Adds the winding of the edges along one scan line: places where it changes.
+/// Adds the positions on a scan line where the winding number changes.
 void cross(const std::vector<Edge>& edges, double y, std::vector<std::pair<double, int>>& out) {
   out.clear();
   for (const Edge& e : edges) {
@@ -84,7 +84,7 @@ void cross(const std::vector<Edge>& edges, double y, std::vector<std::pair<doubl
   std::sort(out.begin(), out.end());
 }
 
-/// Shares of the pixels between two places of a line.
+/// Adds `weight` to the coverage of pixels between two positions on a line.
 void cover(std::vector<double>& shares, double from, double to, double weight) {
   for (auto k = static_cast<std::ptrdiff_t>(std::floor(from)); static_cast<double>(k) < to; ++k) {
     if (k < 0 || k >= static_cast<std::ptrdiff_t>(shares.size())) continue;
@@ -139,7 +139,7 @@ void Image::blend(int x, int y, const Rgb& colour, double share) {
 
 namespace {
 
-/// The code of a character without outline, in two rows within a box.
+/// Box with the code of a character without an outline, in two rows.
 struct CodeBox {
   std::string upper, lower;
   double digit_size, width;

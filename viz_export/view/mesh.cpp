@@ -34,7 +34,7 @@ std::vector<Vec3> polygon_normals(const Surface& s) {
   return out;
 }
 
-/// The middle of a fan of polygons that lie in one plane: of cylinders and closed tubes, not of round bodies.
+/// True at the middle of a planar fan of polygons, as in cylinders and closed tubes.
 bool has_flat_cap(const std::vector<Vec3>& normals, const std::vector<std::vector<std::uint32_t>>& around) {
   constexpr double one_plane = 1.0 - 1e-12;
   return std::ranges::any_of(around, [&](const std::vector<std::uint32_t>& fan) {
@@ -49,7 +49,7 @@ double largest_coordinate(const Surface& s) {
   return out;
 }
 
-/// The same for scaled copies: corners to 1e-6 of the size.
+/// Key that is equal for scaled copies: corners to 1e-6 of the size.
 std::string form_of(const Surface& s, double size) {
   Hash hash;
   hash.add(std::uint64_t{s.curved});
@@ -60,7 +60,7 @@ std::string form_of(const Surface& s, double size) {
   return hash.hex();
 }
 
-/// The first point at the place of each.
+/// For each point, the first point at the same position.
 std::vector<std::uint32_t> joined_points(const ViewMesh& mesh) {
   float size = 0;
   for (const Eigen::Vector3f& p : mesh.points) size = std::max(size, p.cwiseAbs().maxCoeff());
@@ -121,13 +121,13 @@ MeshStore::MeshStore(const std::vector<BodyRecord>& bodies) {
 
 namespace {
 
-/// An edge as a face beside it has it: the face's normal, and those of the shading at the edge's ends.
+/// An edge as part of one face: the normal of the face, and the shading normals at the ends.
 struct EdgeSide {
   Vec3 face;
   std::array<Eigen::Vector3f, 2> shading;
 };
 
-/// Bent so that the shading shows it: facets of a round body share the normals of their corners.
+/// True for an edge that the shading shows: facets of a round body share normals at their corners.
 bool is_crease(const EdgeSide& one, const EdgeSide& two) {
   constexpr float same_shading = 0.97f;  // cosine
   if (one.face.dot(two.face) >= crease) return false;

@@ -21,7 +21,7 @@ std::vector<std::size_t> spread(std::size_t n, std::size_t wanted) {
 
 constexpr std::size_t few_values = 50;  // to leave out any of them would mislead
 
-/// The value above which no more than this share of them lies, of few values the largest; sorts a part.
+/// The value exceeded by at most this share of the values, for few values the largest; reorders them.
 template <class T>
 T upper_end(std::vector<T>& values, double share_above) {
   const double last = static_cast<double>(values.size() - 1);
@@ -31,7 +31,7 @@ T upper_end(std::vector<T>& values, double share_above) {
   return *at;
 }
 
-/// The value below which a share of them lies; sorts a part.
+/// The quantile of the values at `share`; reorders them.
 double quantile(std::vector<double>& values, double share) {
   const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), values.begin() + place, values.end());
@@ -40,7 +40,7 @@ double quantile(std::vector<double>& values, double share) {
 
 bool is_finite(const Vec3& p) { return std::isfinite(p.x() + p.y() + p.z()); }
 
-/// Every so many bodies stand for all of a large run; what is left out between them is within a margin.
+/// Stride of the bodies that represent a large run; a margin covers the others.
 std::size_t stride_of(const ViewFrame& frame) { return 1 + frame.bodies.size() / 20000; }
 
 ViewBox box_of(const BodyRecord& b) {
@@ -52,7 +52,7 @@ ViewBox box_of(const BodyRecord& b) {
   return out;
 }
 
-/// The walls that do not dwarf the free bodies belong to the picture; planes have no extent of their own.
+/// Extends the box by walls that are not much larger than the free bodies; planes have no extent.
 void include_walls(const ViewFrame& frame, ViewBox& box) {
   const bool alone = box.is_empty();
   const double size = alone ? 0 : box.diagonal();
@@ -66,8 +66,8 @@ void include_walls(const ViewFrame& frame, ViewBox& box) {
   }
 }
 
-/// Where free bodies were. What a picture shows of them leaves strays out: it is about where they began and where half
-/// of them are; one body that falls out of a heap would make all the others points.
+/// Positions of free bodies over the run. The box of a picture excludes strays, since one body that leaves a heap would
+/// shrink all others to points: it covers the start and the middle half.
 class FreeBox {
  public:
   void add(const ViewFrame& frame) {
@@ -80,7 +80,7 @@ class FreeBox {
     }
     if (first == 0) began_ = places_.size();
   }
-  /// walls: the frame whose walls show how far bodies may be.
+  /// walls: the frame whose walls bound the positions of bodies.
   ViewBox box(const ViewFrame& walls) const {
     if (ids_.size() < few_bodies) return box_of_few(walls);
     ViewBox kept = middle(0, places_.size(), 0.01);
@@ -109,7 +109,7 @@ class FreeBox {
   };
   static constexpr std::size_t few_bodies = 100;
 
-  /// Of the places from one to before the other, without this share of them at each side.
+  /// Box of the positions [from, to), without this share at each side.
   ViewBox middle(std::size_t from, std::size_t to, double share) const {
     ViewBox out;
     if (from == to) return out;
@@ -122,14 +122,14 @@ class FreeBox {
     return out;
   }
 
-  /// Most bodies are so far apart that none would be seen, and did not begin so: one alone has nothing to compare with.
+  /// True where most bodies are too far apart to be visible, and were not at the start. False for one body.
   bool is_blown_up(const ViewBox& all, const ViewBox& start) const {
     constexpr double unseen = 3000, much = 20;  // radii to a picture; sizes of the start
     return ids_.size() > 1 && all.diagonal() > unseen * mean_radius() &&
            all.diagonal() > much * (start.diagonal() + mean_radius());
   }
 
-  /// Among few a body, not a place, is the stray: a part of its way would still stretch the picture.
+  /// Box for few bodies: whole bodies are excluded as strays, since parts of their paths would still stretch the box.
   ViewBox box_of_few(const ViewFrame& walls) const {
     ViewBox start, half = middle(0, places_.size(), 0.25), out;
     for (std::size_t k = 0; k < began_; ++k) start.include(places_[k].centre, places_[k].radius);
@@ -152,8 +152,8 @@ class FreeBox {
   std::size_t began_ = 0;  ///< so many of the places are of the first frame that has any
 };
 
-/// What a body at rest has by rounding alone stays below this [m/s]: a part of the speed of a fall through the picture.
-/// Without gravity it is what does not show in the whole run; of one frame nothing is known then.
+/// Speed [m/s] below which a body counts as at rest: a fraction of the speed of a fall through the picture. Without
+/// gravity, a speed invisible over the whole run; unknown for one frame.
 double speed_at_rest(const ViewSource& source, const ViewBox& box) {
   constexpr double share = 1e-6, of_the_picture = 1e-12;
   if (box.is_empty()) return 0.0;
@@ -167,14 +167,14 @@ double largest_of(const std::vector<double>& values) {
                          [](double m, double v) { return std::max(m, std::abs(v)); });
 }
 
-/// The least end of the colours of a moving field.
+/// Smallest upper end of the colour range of a field of motion.
 double floor_of(const std::string& field, double speed, double radius) {
   if (field == "speed") return speed;
   if (field == "spin") return radius > 0 ? speed / radius : 0.0;
   return field == "residual" ? 1e-12 : 0.0;
 }
 
-/// Of a field, with the places of the bodies.
+/// Values of a field with the positions of their bodies.
 struct FieldValues {
   std::vector<double> all;
   std::vector<Eigen::Vector3f> places;
@@ -186,13 +186,14 @@ struct FieldValues {
   }
 };
 
-/// What of a field the picture shows.
+/// Values of a field that are visible in the picture.
 struct SeenValues {
   std::vector<double> values;
   std::vector<double> staying;  ///< those of bodies that stay in the picture; all where none does
 };
 
-/// Bodies that the picture leaves out would take the colours of all others. Where it shows none, all count.
+/// Values of bodies inside the picture, since those outside would dominate the colour range. All values where none is
+/// inside.
 SeenValues seen_in(const ViewBox& box, const FieldValues& known) {
   const Vec3 margin = Vec3::Constant(1e-6 * (box.diagonal() + box.min.norm()));  // of single precision
   const ViewBox wider{box.min - margin, box.max + margin};
@@ -213,9 +214,9 @@ SeenValues seen_in(const ViewBox& box, const FieldValues& known) {
   return out;
 }
 
-/// From the first positive value on, 98 % of the values (of few all), `floor` at least; whole numbers as they are. One
-/// value where the ends differ by no more than `same`: rounding. resting: no value counts, all but 2 % are below
-/// `floor`. seen: not empty.
+/// Colour range. Fields of motion: from 0 to the value that 2 % exceed (for few values the largest); others: from
+/// smallest to largest. A single value where the ends differ by at most `same`, by rounding. resting: set where the
+/// range of a field of motion ends below `floor`. seen: not empty.
 std::array<double, 2> range_of(const ViewField& field, SeenValues& seen, double floor, double same, bool& resting) {
   std::vector<double>& values = seen.values;
   const bool from_zero = field.kind == ViewField::Kind::moving;
@@ -231,7 +232,7 @@ std::array<double, 2> range_of(const ViewField& field, SeenValues& seen, double 
   return {low, high};
 }
 
-/// Of every so many bodies, those that are numbers; of walls where they count too.
+/// Adds the finite values of a sample of bodies, with walls where these count.
 void add_values(const ViewFrame& frame, const std::vector<float>& all, bool walls, FieldValues& to) {
   for (std::size_t b = 0; b < all.size(); b += stride_of(frame))
     if (std::isfinite(all[b]) && (walls || !frame.bodies[b].is_wall())) to.add(all[b], frame.bodies[b]);
@@ -292,7 +293,7 @@ Overview look_over(const ViewSource& source) {
 
 namespace {
 
-/// Frames of `at` into the middle of the widest gaps of `out`, until there are as many as wanted.
+/// Adds frames of `at` in the middle of the widest gaps of `out` until there are `wanted`.
 void fill_gaps(const std::vector<std::size_t>& at, std::size_t wanted, std::vector<std::size_t>& out) {
   const auto place = [&](std::size_t frame) { return std::lower_bound(at.begin(), at.end(), frame) - at.begin(); };
   while (out.size() < wanted && out.size() < at.size()) {

@@ -12,12 +12,12 @@
 namespace epafi {
 
 struct Overview {
-  ViewBox box;  ///< what a picture shows: strays and far walls are left out
-  /// Of each field that is a number: colours end there. Both ends are the same where there is one value; a field of
-  /// which there is no value (no free bodies) is absent.
+  ViewBox box;  ///< region of the picture, without strays and distant walls
+  /// Colour range of each numeric field. Both ends are equal for a single value; a field without values (no free
+  /// bodies) is absent.
   std::map<std::string, std::array<double, 2>> range;
   std::set<std::string> resting;  ///< fields of which 98 % are no more than rounding gives
-  /// Least and largest value of each, of bodies that the picture leaves out too: what lies beyond the colours.
+  /// Smallest and largest value of each field, including bodies outside the picture.
   std::map<std::string, std::array<double, 2>> extremes;
   float strongest = 0;                 ///< normal force of a contact [N], of 99 % of them; of few the largest
   float strongest_of_all = 0;          ///< [N]

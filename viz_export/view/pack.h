@@ -19,8 +19,8 @@ struct PackedChunk {
   std::vector<std::string> columns;  ///< deflated, as they were asked for
 };
 
-/// As the page reads it: for each column a number of bytes (4), the scales, the columns. All, or those of these
-/// numbers; moving fields are all among them.
+/// A chunk as the page reads it: for each column its number of bytes (4), then scales, then columns. All columns, or
+/// those at these indices, which must include all moving fields.
 [[nodiscard]] std::string bytes_of(const PackedChunk& chunk);
 [[nodiscard]] std::string bytes_of(const PackedChunk& chunk, const std::vector<std::size_t>& columns);
 

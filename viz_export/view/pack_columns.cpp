@@ -20,7 +20,7 @@ std::int32_t steps_of(double value) {
   return static_cast<std::int32_t>(std::lround(std::clamp(std::isfinite(value) ? value : most, -most, most)));
 }
 
-/// Frames one behind the other, each as its difference from the one before.
+/// Writes frames in sequence, each as the difference from the previous one.
 class ColumnWriter {
  public:
   explicit ColumnWriter(int bytes) : bytes_(bytes) {}
@@ -69,7 +69,7 @@ class PositionColumn final : public ChunkColumn {
   ColumnWriter positions_{4};
 };
 
-/// The three smaller components of orientations, or the number of the largest one.
+/// The three smaller components of orientations, or the index of the largest one.
 class OrientationColumn final : public ChunkColumn {
  public:
   explicit OrientationColumn(bool largest) : of_largest_(largest) {}
@@ -123,7 +123,7 @@ class HeadingColumn final : public ChunkColumn {
   ColumnWriter headings_{2};
 };
 
-/// In steps of 1/65535 of the largest value of the chunk.
+/// Values of a field in steps of 1/65535 of the largest one in the chunk.
 class FieldColumn final : public ChunkColumn {
  public:
   explicit FieldColumn(std::string name) : name_(std::move(name)) {}
@@ -150,13 +150,12 @@ class FieldColumn final : public ChunkColumn {
   double largest_ = 1e-300;
 };
 
-/// Square root of the share, so that small ones keep digits.
+/// Steps of the square root of value / largest, for the precision of small values.
 std::int32_t root_steps(double value, double largest) {
   return steps_of(largest_16 * std::sqrt(std::min(1.0, std::abs(value) / largest)));
 }
 
-/// Per frame: their number, then ids a, ids b, forces, the ends at A, the ways to those at B, residuals where there
-/// are.
+/// Per frame: number of contacts, then ids a, ids b, forces, points on A, vectors to those on B, residuals if any.
 class ContactColumn final : public ChunkColumn {
  public:
   ContactColumn(const ChunkGrid& grid, float least) : grid_(grid), least_(least) {}

@@ -21,7 +21,7 @@ class ChunkColumn {
  public:
   virtual ~ChunkColumn() = default;
   virtual void add(const ViewFrame& frame, const FrameFields& fields) = 0;
-  /// Of all frames that were added, and the unit of its numbers where that is its own.
+  /// Bytes of all frames added; sets `scale`, the unit of the numbers, where the column has one of its own.
   virtual std::string raw(double& scale) = 0;
 };
 

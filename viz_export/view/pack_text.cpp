@@ -60,7 +60,7 @@ void put_view(JsonWriter& json, const ViewSettings& view) {
   json.end_object();
 }
 
-/// Directions of the presets in axes of the world, and what is up.
+/// Preset camera directions in world axes, and the upward direction.
 void put_cameras(JsonWriter& json, const Vec3& up) {
   put_vector(json, "up", up);
   json.key("presets").begin_object();
@@ -69,7 +69,7 @@ void put_cameras(JsonWriter& json, const Vec3& up) {
   put_vector(json, "level", upright(up) * Vec3::UnitY());
 }
 
-/// The page shows these walls solid while its eye is above them.
+/// Walls that the page shows opaque while the camera is above them.
 void put_grounds(JsonWriter& json, const Overview& overview) {
   json.key("grounds").begin_array();
   for (const std::uint32_t id : overview.grounds) json.value(std::uint64_t{id});
@@ -77,7 +77,7 @@ void put_grounds(JsonWriter& json, const Overview& overview) {
   if (!overview.grounds.empty()) json.member("ground_top", overview.ground_top);
 }
 
-/// Values of each component with their times, of a long one the rows that tell its course.
+/// Values of each component with their times; long series are thinned, keeping their shape.
 void put_measures(JsonWriter& json, const std::vector<StoredMeasure>& measures) {
   json.key("measures").begin_array();
   for (const StoredMeasure& m : measures) {

@@ -31,7 +31,7 @@ std::string page_around(const std::string& title, const std::string& data) {
   return page;
 }
 
-/// A run packed with all that a page can hold, and what of it the page keeps.
+/// A packed run, and the parts of it that the page keeps.
 struct Packed {
   std::string bodies;
   std::vector<std::string> names;  ///< of the columns in the chunks
@@ -57,7 +57,7 @@ struct Packed {
   }
 };
 
-/// One pass over the run. With all contacts come the strong ones alone, in case that there is room for no more.
+/// Packs the run in one pass. Besides all contacts it packs the strong ones alone, for a page without room for all.
 Packed pack(const Packer& packer, std::vector<std::string> names, std::size_t stride) {
   Packed out{packer.bodies(), std::move(names), {}, {}, stride};
   for (std::size_t c = 0; c < out.names.size(); ++c) out.kept.push_back(c);
@@ -66,7 +66,7 @@ Packed pack(const Packer& packer, std::vector<std::string> names, std::size_t st
   return out;
 }
 
-/// Leaves out the next thing that can be, with a note; false where only frames are left.
+/// Leaves out the next optional part, with a note; false where only frames are left.
 bool leave_out(Packed& packed, double least_force, std::string& note) {
   if (packed.drop("heading")) {
     note = "directions of velocities are left out to keep this page small";
@@ -84,7 +84,7 @@ bool leave_out(Packed& packed, double least_force, std::string& note) {
   return true;
 }
 
-/// The last note of its kind stands for those before.
+/// Replaces an earlier note of the same kind.
 void replace_note(std::vector<std::string>& notes, const std::string& note) {
   for (const char* kind : {"one frame", "contacts"})
     if (!notes.empty() && notes.back().starts_with(kind) && note.starts_with(kind)) notes.pop_back();

@@ -12,7 +12,7 @@ using V3 = Eigen::Vector3f;
 constexpr int samples = 2;  // along each side of a pixel
 constexpr float nowhere = std::numeric_limits<float>::infinity();
 
-/// Axes of the camera: x right, y up, z towards the eye; distances count along -z.
+/// Camera axes: x right, y up, z towards the eye; depth is measured along -z.
 struct Lens {
   V3 eye, right, up, towards;
   float scale, cx, cy;  ///< samples per unit of the plane at distance 1, and its middle
@@ -29,7 +29,7 @@ struct Lens {
     cx = 0.5f * static_cast<float>(w);
     cy = 0.5f * static_cast<float>(h);
   }
-  /// x, y, and the distance in front of the eye.
+  /// x, y, and the depth in front of the eye.
   V3 seen(const V3& p) const {
     const V3 r = p - eye;
     return {right.dot(r), up.dot(r), -towards.dot(r)};
@@ -37,7 +37,7 @@ struct Lens {
   V3 turned(const V3& n) const { return {right.dot(n), up.dot(n), towards.dot(n)}; }
 };
 
-/// What each sample shows: depth, and the thing (balls first, then triangles, then lines).
+/// Depth and object of each sample (objects: balls, then triangles, then lines).
 struct Layer {
   int w, h;
   std::vector<float> depth;
@@ -75,7 +75,7 @@ SampleBox box_of_ball(const V3& c, float r, const Lens& lens, const Layer& layer
                  lens.cy - lens.scale * low, layer);
 }
 
-/// f(x, y, depth) of each sample of the layer that shows the ball; none where the eye is within it.
+/// Calls f(x, y, depth) for each sample of the layer that shows the ball; none where the eye is inside it.
 template <class F>
 void each_of_ball(const V3& c, float r, const Lens& lens, const Layer& layer, const F& f) {
   const float rest = c.squaredNorm() - r * r;
@@ -95,13 +95,13 @@ void each_of_ball(const V3& c, float r, const Lens& lens, const Layer& layer, co
   }
 }
 
-/// A triangle in samples. Weights of its corners over the depth are linear there, also where a corner is behind the
-/// eye, so that nothing has to be cut (Olano and Greer 1997).
+/// A triangle in sample coordinates. Barycentric weights over depth are linear there, also with a corner behind the
+/// eye, so that no clipping is needed (Olano and Greer 1997).
 struct FlatTriangle {
   SampleBox box{};
   V3 first, by_x, by_y;  ///< at the middle of the box's first sample, and per sample
 
-  /// false where nothing of it is in front of the eye.
+  /// False where no part is in front of the eye.
   bool set(const V3 p[3], const Lens& lens, const Layer& layer) {
     if (!set_box(p, lens, layer)) return false;
     const Vec3 q[3] = {p[0].cast<double>(), p[1].cast<double>(), p[2].cast<double>()};
@@ -122,7 +122,7 @@ struct FlatTriangle {
   V3 weights(int x, int y) const {
     return first + static_cast<float>(x - box.x0) * by_x + static_cast<float>(y - box.y0) * by_y;
   }
-  /// f(x, y, weights over depth, depth) of each sample inside.
+  /// Calls f(x, y, weights over depth, depth) for each sample inside.
   template <class F>
   void each(const Lens& lens, const F& f) const {
     for (int y = box.y0; y < box.y1; ++y)
@@ -134,7 +134,7 @@ struct FlatTriangle {
   }
 
  private:
-  /// Around what is farther than the nearest.
+  /// Sets the bounding box of the part beyond the near plane.
   bool set_box(const V3 p[3], const Lens& lens, const Layer& layer) {
     float x0 = nowhere, x1 = -nowhere, y0 = nowhere, y1 = -nowhere;
     const auto include = [&](const V3& q) {
@@ -158,7 +158,7 @@ struct FlatTriangle {
   }
 };
 
-/// The same light as the page (page/shaders.js).
+/// Lighting as on the page (page/shaders.js).
 V3 lit(const Rgb& base, const V3& n) {
   static const V3 lamp = V3(-0.45f, 0.65f, 1.0f).normalized();
   static const V3 half = (lamp + V3(0, 0, 1)).normalized();
@@ -250,7 +250,7 @@ class Painter {
     flat.each(lens_, [&](int x, int y, const V3&, float depth) { put(thing, x, y, depth); });
   }
 
-  /// Where nothing nearer is.
+  /// Sets a sample where nothing is nearer.
   void put(std::size_t thing, int x, int y, float depth) {
     const std::size_t k = layer_.at(x, y);
     if (depth >= layer_.depth[k]) return;
@@ -268,7 +268,7 @@ class Painter {
     });
   }
 
-  /// f(corners) of the two triangles of a ribbon.
+  /// Calls f(corners) for the two triangles of a ribbon.
   template <class F>
   void each_half(const DrawnLine& line, const F& f) const {
     const V3 a = lens_.seen(line.from), b = lens_.seen(line.to);
@@ -280,7 +280,7 @@ class Painter {
     f(two);
   }
 
-  /// Towards the eye, in axes of the camera. w: weights of the corners, of any sum.
+  /// Normal towards the eye, in camera axes. w: weights of the corners, not normalised.
   V3 normal_of(const DrawnTriangle& t, const V3& w) const {
     V3 n = lens_.turned(w.x() * t.normal[0] + w.y() * t.normal[1] + w.z() * t.normal[2]);
     n.normalize();

@@ -9,13 +9,13 @@ namespace {
 using V3 = Eigen::Vector3f;
 using Ends = std::pair<std::uint32_t, std::uint32_t>;  // points, the lower first
 
-/// An edge as one of the triangles beside it has it: the normals at its ends.
+/// An edge as part of one triangle: the normals at its ends.
 using Side = std::array<V3, 2>;
 
 constexpr float smooth = 0.97f;  // cosine: normals of both sides that are nearer than 14 degrees are one
 
-/// The part of the edge `way` that lies along the surface at its end, or along the crease where the sides have normals
-/// of their own; all of it at a border.
+/// Projection of the edge `way` on the tangent plane at its end, or on the crease where the sides differ in normals;
+/// the whole edge at a border.
 V3 along_surface(const V3& way, const std::vector<Side>& sides, std::size_t end) {
   if (sides.size() != 2) return way;
   const V3 one = sides[0][end], two = sides[1][end];
@@ -27,7 +27,8 @@ V3 along_surface(const V3& way, const std::vector<Side>& sides, std::size_t end)
   return way.dot(crease) * crease;
 }
 
-/// As long as makes the middle of an arc of a circle exact: |way| 2 / (1 + c), c the cosine between tangent and chord.
+/// Tangent of length |way| 2 / (1 + c), c the cosine between tangent and chord: makes the middle of a circular arc
+/// exact.
 V3 tangent(const V3& way, const std::vector<Side>& sides, std::size_t end) {
   const V3 part = along_surface(way, sides, end);
   const float whole = way.norm(), length = part.norm();
@@ -35,7 +36,7 @@ V3 tangent(const V3& way, const std::vector<Side>& sides, std::size_t end) {
   return part * (whole / length * 2 / (1 + length / whole));
 }
 
-/// Of the cubic curve with these ends and tangents.
+/// Middle of the cubic curve with these ends and tangents.
 V3 middle(const V3& from, const V3& to, const std::vector<Side>& sides) {
   const V3 way = to - from;
   const V3 first = from + tangent(way, sides, 0) / 3, second = to - tangent(way, sides, 1) / 3;

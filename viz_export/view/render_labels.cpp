@@ -10,7 +10,7 @@
 namespace epafi {
 namespace {
 
-/// The text, or its beginning and dots.
+/// The text, truncated with dots where it is too wide.
 std::string fitting(std::string text, double size, double width) {
   if (text_width(text, size) <= width) return text;
   while (!text.empty() && text_width(text + "...", size) > width) {
@@ -26,14 +26,14 @@ struct PlatePlace {
   double left, top, width, height;  ///< [pixels]
 };
 
-/// Paper under letters.
+/// Background of a label.
 void add_plate(Image& image, const PlatePlace& place, double opacity) {
   const int left = static_cast<int>(place.left), top = static_cast<int>(place.top);
   for (int y = top; y < top + static_cast<int>(place.height); ++y)
     for (int x = left; x < left + static_cast<int>(place.width); ++x) image.blend(x, y, paper, opacity);
 }
 
-/// ">= 5" where values lie beyond by more than the digits shown.
+/// Label of an end of the colour bar; ">= 5" where values beyond it differ in the digits shown.
 std::string end_text(const BarValues& bar, std::size_t end, int most_digits) {
   const std::string text = short_number(bar.range[end], most_digits);
   const bool is_beyond = end == 0 ? bar.extremes[0] < bar.range[0] : bar.extremes[1] > bar.range[1];
@@ -99,7 +99,7 @@ void RunPainter::label(Image& image, const ViewFrame& frame) const {
     colour_bar(image, size);
 }
 
-/// Colour and name of each kind of body that there is, from above.
+/// Legend: colour and name of each kind of body, from the top.
 void RunPainter::kinds(Image& image, double size) const {
   constexpr std::size_t most = 8;
   const std::vector<std::size_t> all = kinds_shown();
@@ -148,7 +148,7 @@ std::string RunPainter::kind_name(std::size_t kind) const {
   return group.name.empty() ? fmt::format("bodies from {} on", group.first) : group.name;
 }
 
-/// What the colours mean, at the lower left; words alone where there is nothing to colour.
+/// Colour bar at the lower left; text only where nothing is coloured.
 void RunPainter::colour_bar(Image& image, double size) const {
   const bool forces = options_.contacts;
   const std::string unit = forces ? "N" : field_.unit, quantity = forces ? "contact force" : field_.label;

@@ -37,7 +37,7 @@ ViewField find_field(const ViewSource& source, const std::string& name) {
   throw SceneError("this run has no field '" + name + "'; it has " + known);
 }
 
-/// Stands out from faces of this colour.
+/// Colour of edges that contrasts with this face colour.
 Rgb edge_of(const Rgb& face) {
   const bool dark = 0.3 * face[0] + 0.6 * face[1] + 0.1 * face[2] < 0.3;
   Rgb out{};
@@ -53,8 +53,8 @@ struct MeshLook {
   float opacity;
 };
 
-/// Seen from within, a half-space lets all else through. Of what has no end, rails among them, it is that which is
-/// drawn as a square.
+/// True where the eye is inside a half-space, which is then transparent. Of unbounded shapes (also rails) only
+/// half-spaces are drawn as a square.
 bool is_within(const BodyRecord& b, const ViewMesh& mesh, double scale, const Vec3& eye) {
   if (!std::isinf(b.radius) || mesh.points.size() != 4) return false;
   return mesh.normals[0].cast<double>().dot(b.pose.to_local(eye) - scale * mesh.points[0].cast<double>()) < 0;
@@ -86,14 +86,14 @@ double mean_radius(const ViewFrame& frame) {
   return count > 0 ? sum / count : 0.0;
 }
 
-/// The body's record; the end where it is not in the frame.
+/// Record of the body; end() where it is not in the frame.
 std::vector<BodyRecord>::const_iterator record_of(const ViewFrame& frame, std::uint32_t id) {
   const auto row = std::lower_bound(frame.bodies.begin(), frame.bodies.end(), id,
                                     [](const BodyRecord& b, std::uint32_t wanted) { return b.id < wanted; });
   return row != frame.bodies.end() && row->id == id ? row : frame.bodies.end();
 }
 
-/// The strongest are the widest: no wider than 0.42 of the mean body, and of the smaller one of the two
+/// Draws contacts with a width by force: at most 0.42 of the mean body's and of the smaller body's size
 /// (page/lines.js).
 void add_contacts(const ViewFrame& frame, double strongest, const DrawnAxes& axes, DrawnScene& out) {
   const double widest = widest_part * mean_radius(frame);
@@ -111,13 +111,13 @@ void add_contacts(const ViewFrame& frame, double strongest, const DrawnAxes& axe
   }
 }
 
-/// Across a direction and, where that can be, across y or x: seen from the front and from the side.
+/// A vector normal to a direction and, if possible, to y or x, so that it is visible from the front and the side.
 Vec3 side_of(const Vec3& direction) {
   const bool along_y = std::abs(direction.y()) > std::abs(direction.x());
   return direction.cross(along_y ? Vec3(Vec3::UnitX()) : Vec3(Vec3::UnitY())).normalized();
 }
 
-/// A zigzag between two straight ends; the page has the same (page/lines.js).
+/// Draws a spring as a zigzag between straight ends, as the page does (page/lines.js).
 void add_spring(const Vec3& from, const Vec3& to, double widest, const DrawnAxes& axes, DrawnScene& out) {
   constexpr int pieces = 12;
   constexpr double straight = 0.15;  // of the length, at each end
@@ -205,7 +205,7 @@ Rgb RunPainter::colour_of(const BodyRecord& body, float value) const {
   return viridis(std::isfinite(share) ? share : 0.0);
 }
 
-/// A pixel and a half wide, before the faces by a little of the way to the eye.
+/// Draws a line 1.5 pixels wide, shifted slightly from the faces towards the eye.
 void RunPainter::add_thin_line(Vec3 from, Vec3 to, const Rgb& colour, float opacity, DrawnScene& out) const {
   constexpr double before = 2e-3;
   const double pixel = 2 * std::tan(0.5 * camera_.angle * std::numbers::pi / 180) / options_.height;
@@ -229,7 +229,7 @@ void RunPainter::add_edges(std::int32_t mesh, const BodyRecord& body, double sca
     add_thin_line(place(known->second[k]), place(known->second[k + 1]), colour, 1.0f, out);
 }
 
-/// The square of a half-space from within: its outline and lines across it.
+/// Draws a half-space seen from inside: outline and grid of its square.
 void RunPainter::add_grid(const ViewMesh& square, const BodyRecord& body, double scale, DrawnScene& out) const {
   const auto corner = [&](std::size_t k) -> Vec3 {
     return body.pose.to_world(scale * square.points[k].cast<double>());
@@ -251,7 +251,7 @@ bool RunPainter::is_solid(const BodyRecord& wall) const {
   return above_ground_ && std::binary_search(overview_.grounds.begin(), overview_.grounds.end(), wall.id);
 }
 
-/// edges: of free bodies.
+/// edges: also draws edges of free bodies.
 void RunPainter::add_body(const BodyRecord& b, float value, bool edges, DrawnScene& out) {
   Rgb colour = colour_of(b, value);
   if (options_.contacts && !b.is_wall())
@@ -356,7 +356,7 @@ std::vector<std::string> outline_notes(const RunPainter& painter) {
   return {"the font of pictures has no " + missing + ": drawn as codes in boxes"};
 }
 
-/// Of a film: what its start, middle and end all say.
+/// Text common to start, middle and end of a film.
 template <class Text>
 std::string throughout(const ViewSource& source, std::size_t every, const Text& text_of) {
   const std::size_t last = (source.times().size() - 1) / every;

@@ -34,7 +34,7 @@ struct DrawnAxes {
   float length(double l) const { return static_cast<float>(l / unit); }
 };
 
-/// What a colour bar is of: colours end at `range`; `extremes` are those of the values.
+/// Values of a colour bar: `range` of the colours, `extremes` of the values.
 struct BarValues {
   std::array<double, 2> range;
   std::array<double, 2> extremes;
@@ -50,9 +50,9 @@ class RunPainter {
   const ViewField& field() const { return field_; }
   /// Free bodies of a frame of which the picture shows no part.
   std::size_t outside(const ViewFrame& frame) const;
-  /// Where the picture shows no free body, though there are some: where its camera stands. Else empty.
+  /// Text with the camera's position where the picture shows none of the free bodies; else empty.
   std::string blind_text(const ViewFrame& frame) const;
-  /// Where most free bodies that the picture shows are dots and cover little of it: they stand far apart. Else empty.
+  /// Text where most visible free bodies are dots that cover little of the picture, as bodies far apart; else empty.
   std::string dots_text(const ViewFrame& frame) const;
   /// Characters of its labels that have no outline (without_outline); empty: all have one.
   std::string unwritable() const;
@@ -108,8 +108,8 @@ struct WrittenFilm {
 /// A time of these, with as many digits as tell it from those of the frames before and after, four at least.
 [[nodiscard]] std::string time_text(const std::vector<double>& times, double time);
 
-/// What stands at start, middle and end of a colour bar: one text where all values are the same, no half counts. An end
-/// beyond which values lie says so: ">= 5".
+/// Labels at start, middle and end of a colour bar: one where all values are equal, integers for counts. An end that
+/// values exceed is marked: ">= 5".
 [[nodiscard]] std::vector<std::string> range_ticks(const BarValues& bar, int most_digits = 4);
 
 struct PlacedText {
@@ -121,8 +121,8 @@ struct PlacedText {
 /// where they would run together.
 [[nodiscard]] std::vector<PlacedText> placed_ticks(const BarValues& bar, double width, double size);
 
-/// What of the scene's [view] this source cannot show, and what it shows instead. camera, field: asked for by the
-/// command; "": nothing.
+/// Notes on settings of the scene's [view] that this source cannot show, and their replacement. camera, field:
+/// requested by the command; "": not set.
 [[nodiscard]] std::vector<std::string> view_notes(const ViewSource& source, const std::string& camera,
                                                   const std::string& field);
 

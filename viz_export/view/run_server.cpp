@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t most_kept = 32;  // encoded chunks
 
-/// Changes when the run has written something, ends or is killed, and when it goes.
+/// Changes when the run writes, ends, is killed or is removed.
 struct FolderMark {
   bool is_there = false;
   std::uintmax_t bytes = 0;
@@ -39,7 +39,7 @@ std::string text_of(const FolderMark& mark) {
                      static_cast<int>(mark.life));
 }
 
-/// Frames of the one are those of the other as far as both have them; a run that is resumed drops some at its end.
+/// True where the common part of two lists of frames is equal; a resumed run drops some at its end.
 bool go_on(const std::vector<std::string>& before, const std::vector<std::string>& after) {
   const auto both = static_cast<std::ptrdiff_t>(std::min(before.size(), after.size()));
   return std::equal(before.begin(), before.begin() + both, after.begin());
@@ -59,7 +59,7 @@ struct RunServer::State {
   std::unique_ptr<Packer> packer;
   std::map<std::size_t, std::string> chunks;  ///< encoded, of whole chunks
 
-  /// At every twentieth part that the run has grown by, and at its end: looking over a large run takes seconds.
+  /// Renews the overview after each growth of the run by 5 %, and at its end: it takes seconds for a large run.
   void look() {
     const std::size_t frames = source->times().size();
     if (overview.box.is_empty() || frames < looked_at || frames > looked_at + looked_at / 20 || !source->is_running()) {
@@ -69,7 +69,7 @@ struct RunServer::State {
     packer = std::make_unique<Packer>(*source, overview);
   }
 
-  /// Where the files have changed. A file that is being written is read at the next request.
+  /// Reads changed files again. A file that is being written is read at the next request.
   void read_again() {
     if (folder.empty()) return;
     const auto now = mark_of(folder);
@@ -92,7 +92,7 @@ struct RunServer::State {
 
   HttpAnswer answer(const std::string& path);
 
-  /// A page that has got another one loads anew. Empty: that cannot be.
+  /// Identity of the shown run: the page reloads where it changes. Empty: unknown.
   std::string shown_run() const { return folder.empty() ? "" : fmt::format("{}-{}", identity, runs); }
 
   std::string chunk(std::size_t k) {
@@ -120,8 +120,8 @@ RunServer::RunServer(std::unique_ptr<ViewSource> still) : state_(std::make_uniqu
 
 RunServer::~RunServer() = default;
 
-/// Of a run that goes on the file may have changed since it was opened, or be met in the middle of a write: it is
-/// opened again, for two seconds at most.
+/// The file of a live run may have changed since it was opened, or be partly written: it is reopened, for two seconds
+/// at most.
 HttpAnswer RunServer::answer(const std::string& path) {
   constexpr int tries = 40;
   for (int k = 1;; ++k) {

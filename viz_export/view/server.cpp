@@ -85,15 +85,15 @@ void send_answer(int connection, const HttpAnswer& a) {
   shutdown(connection, SHUT_WR);
 }
 
-/// Connections whose request has not arrived whole. Browsers open some before they need them: these wait for as long
-/// as the browser likes and never hold up the others.
+/// Connections with an incomplete request. Browsers open some in advance: these may wait for any time without blocking
+/// others.
 class OpenConnections {
  public:
   ~OpenConnections() {
     for (const Connection& c : all_) close(c.socket);
   }
 
-  /// Up to `milliseconds` for something to arrive, at `listening` or from a connection.
+  /// Waits up to `milliseconds` for data at `listening` or from a connection.
   void wait(int listening, int milliseconds) {
     polled_.assign(1, {listening, POLLIN, 0});
     for (const Connection& c : all_) polled_.push_back({c.socket, POLLIN, 0});
@@ -103,7 +103,7 @@ class OpenConnections {
   }
 
   /// Calls whole(socket, request) for every request that is complete or too long, closes its connection, and
-  /// accepts one that knocks at `listening`.
+  /// accepts a new one at `listening`.
   template <class F>
   void read(int listening, const F& whole) {
     std::size_t kept = 0;

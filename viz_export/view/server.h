@@ -34,8 +34,8 @@ class LocalServer {
   std::uint16_t port_ = 0;
 };
 
-/// What the page asks for: "/", "/mark" (changes with the run's files), "/manifest", "/bodies", "/chunk-N". The run is
-/// read again when its files have changed.
+/// Answers the requests of the page: "/", "/mark" (changes with the run's files), "/manifest", "/bodies", "/chunk-N".
+/// Reads the run again when its files have changed.
 class RunServer {
  public:
   explicit RunServer(std::filesystem::path folder);

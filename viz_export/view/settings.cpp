@@ -8,7 +8,7 @@
 namespace epafi {
 namespace {
 
-/// Names stand last in their line: they may hold blanks, not line breaks.
+/// A name without line breaks; names come last in their line and may hold blanks.
 std::string one_line(std::string name) {
   std::replace(name.begin(), name.end(), '\n', ' ');
   return name;

@@ -37,7 +37,7 @@ struct RunAbout {
   std::vector<Group> groups;
   std::vector<Spring> springs;
   Vec3 gravity = Vec3::Zero();  ///< at the start [m/s^2]
-  double duration = 0.0;        ///< that the scene asks for [s]; 0: not known
+  double duration = 0.0;        ///< duration set in the scene [s]; 0: not known
   ViewSettings view;
 };
 

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr int contacts_part = 2;  // of the files of one time in frames.pvd
 
-/// Files with contacts by time; none where the run wrote no frames.
+/// Contact files by time; none where the run wrote no frames.
 std::map<double, fs::path> contact_files(const fs::path& folder) {
   std::map<double, fs::path> out;
   if (!fs::exists(folder / "frames.pvd")) return out;
@@ -43,7 +43,7 @@ bool has_contact_files(const fs::path& folder) {
   return std::ranges::any_of(files, [](const fs::path& f) { return f.filename().string().starts_with("contacts_"); });
 }
 
-/// Of a run that ended before its time, from summary.json: "interrupted"; "" of others, and where it cannot be read.
+/// Status of a run that ended early, from summary.json, as "interrupted"; "" for others or where unreadable.
 std::string early_end(const fs::path& folder) {
   try {
     const std::string status =
@@ -54,13 +54,13 @@ std::string early_end(const fs::path& folder) {
   }
 }
 
-/// Energies as a scene's measure of them has.
+/// True for a measure with the components of energies.
 bool tells_energies(const StoredMeasure& m) {
   const auto has = [&](const char* name) { return std::ranges::count(m.components, name) > 0; };
   return has("kinetic") && has("potential");
 }
 
-/// One row of the measure for rows of one time; components that are not among them have no value there.
+/// Adds rows of one time as one row of the measure; missing components are NaN.
 void add_rows(const std::vector<MeasureRow>& rows, StoredMeasure& m) {
   const double before = m.times.empty() ? -std::numeric_limits<double>::infinity() : m.times.back();
   for (const MeasureRow& row : rows) {
@@ -76,7 +76,7 @@ void add_rows(const std::vector<MeasureRow>& rows, StoredMeasure& m) {
   }
 }
 
-/// What every run tells of itself: energies, contacts, residual (progress.csv).
+/// Measures that every run has: energies, contacts, residual (progress.csv).
 std::vector<StoredMeasure> own_measures(const fs::path& folder) {
   std::vector<StoredMeasure> out;
   const auto rows = measure_rows(folder / "progress.csv");
@@ -92,8 +92,8 @@ std::vector<StoredMeasure> own_measures(const fs::path& folder) {
   return out;
 }
 
-/// Squares that stand for half-spaces, far from their body's own origin: in numbers of single precision their corners
-/// would run together. The body is shown as if it were at the middle of its square.
+/// Squares of half-spaces far from their body's origin, whose corners would coincide in single precision. The body is
+/// shown as if it were at the middle of its square.
 class FarSquares {
  public:
   void take(std::vector<BodyRecord>& bodies) {
@@ -226,7 +226,7 @@ class RunSource final : public ViewSource {
   }
 
  private:
-  /// Without any of its files of contacts the run tells nothing of them: no body has a force of zero by that.
+  /// Where all contact files are missing, forces are unknown rather than zero.
   void look_for_contact_files() {
     const auto missing = std::ranges::count_if(contacts_, [](const auto& f) { return !fs::exists(f.second); });
     if (missing == 0) return;
@@ -237,7 +237,7 @@ class RunSource final : public ViewSource {
                                     : ": their frames are shown without contacts"));
     if (missing == all) contacts_.clear();
   }
-  /// The last frame with contacts tells it for all.
+  /// True where the last frame with contacts has residuals.
   bool look_for_residuals() const {
     for (auto file = contacts_.rbegin(); file != contacts_.rend(); ++file) {
       if (!fs::exists(file->second)) continue;
@@ -247,7 +247,8 @@ class RunSource final : public ViewSource {
     return false;
   }
 
-  /// None, with a warning for all such files together, where the file is damaged: run.h5 has the bodies all the same.
+  /// Contacts of a file; none where it is damaged, with one warning for all such files, since run.h5 still has the
+  /// bodies.
   ContactFile contacts_of(const fs::path& file) const {
     try {
       return read_contacts(file);
@@ -310,7 +311,7 @@ class StillSource final : public ViewSource {
 
 std::unique_ptr<ViewSource> open_run(const fs::path& folder, const std::string& command) {
   if (!fs::exists(folder / "run.h5")) throw FileError(no_run_text(folder, command));
-  // A run that goes on may be met in the middle of a write: it is read again, for two seconds at most.
+  // A live run may be in the middle of a write: read again, for two seconds at most.
   constexpr int tries = 40;
   for (int k = 1;; ++k) {
     try {

@@ -12,7 +12,7 @@
 
 namespace epafi {
 
-/// Of the picture's box: positions of the page are whole steps of it.
+/// Relative to the box of the picture: positions on the page are multiples of this step.
 inline constexpr double finest_step = 1e-5;
 
 struct ViewFrame {
@@ -30,7 +30,7 @@ class ViewSource {
   virtual const RunAbout& about() const = 0;
   virtual const std::vector<double>& times() const = 0;  ///< of the frames [s]
   virtual ViewFrame frame(std::size_t k) const = 0;
-  /// Of all bodies that ever were, by id; without motion.
+  /// All bodies that ever existed, by id; without motion.
   virtual const std::vector<BodyRecord>& bodies() const = 0;
   virtual std::vector<StoredMeasure> measures() const = 0;
   virtual bool has_contacts() const = 0;
@@ -38,15 +38,15 @@ class ViewSource {
   virtual bool is_running() const = 0;
   /// Tells this run from another one in the same folder; empty: it cannot change.
   virtual std::string identity() const { return {}; }
-  /// Of the state at each frame; empty where there is no file to tell them.
+  /// Hash of the state at each frame; empty where no file has them.
   virtual std::vector<std::string> state_hashes() const { return {}; }
-  /// Of a run that was killed: that it was, and after what time. Empty of all others.
+  /// Text that the run was killed, and at which time; empty for other runs.
   virtual std::string cut_text() const { return {}; }
-  /// Of a run that did not come to its end: "interrupted at 2.3 of 60 s". Empty of all others.
+  /// Text on an early end, as "interrupted at 2.3 of 60 s"; empty for other runs.
   virtual std::string stop_text() const { return {}; }
-  /// What of the run's files cannot be read, though it is shown: each once, as far as they have been read.
+  /// Warnings of unreadable parts of the run's files, each once, as far as the files have been read.
   virtual std::vector<std::string> warnings() const { return {}; }
-  virtual double last_time() const { return times().empty() ? 0.0 : times().back(); }  ///< that anything tells of [s]
+  virtual double last_time() const { return times().empty() ? 0.0 : times().back(); }  ///< last time with data [s]
 };
 
 /// Reads run.h5, and the contacts from frames/. Throws FileError. command: who asks, for the message of a folder that

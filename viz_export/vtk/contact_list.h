@@ -33,7 +33,7 @@ class ContactRows {
   double normal_force(std::size_t row) const { return -force(row).dot(contacts_->normal[at(row)]); }
   double overlap(std::size_t row) const { return std::max(0.0, -contacts_->gap[at(row)]); }  ///< [m], >= 0
   bool has_residual() const { return !residual_.empty(); }
-  /// What this contact adds to the square of the solver's residual is the square of this.
+  /// Residual of this contact: its square is the contribution to the square of the solver's residual.
   float residual(std::size_t row) const { return residual_[at(row)]; }
 
   /// To the same rows of `contacts`, and of `residual` where there is one.
@@ -57,7 +57,7 @@ class ContactList {
   ContactList(const World& world, const ContactPieces& contacts, std::span<const float> residual = {});
   /// All of `contacts`, which the caller keeps alive, as copy() has filled them.
   ContactList(const World& world, const ContactSet& contacts, std::span<const float> residual);
-  /// What this list shows, apart from what the model finds in the next step. residual: beside the contacts.
+  /// Copies the list, independent of later steps of the model. residual: by contact.
   void copy(ContactSet& contacts, std::vector<float>& residual) const;
   std::size_t size() const { return begins_.back(); }
   /// The row at which each piece begins, and one behind the last: a piece at least, which may be empty.

@@ -25,13 +25,13 @@ std::vector<VtpArray> body_columns(const BodyList& b, FrameColumns& rows, const 
   return out;
 }
 
-/// VTK's cells count in 32 bits here; 2^31 corners are 8 GB of frame.
+/// Cell offsets are 32-bit here; 2^31 corners are 8 GB per frame.
 void require_countable(std::size_t corners) {
   if (corners >= std::size_t{1} << 31)
     throw FileError("a frame of " + std::to_string(corners) + " corners is too large for .vtp with 32-bit indices");
 }
 
-/// One cell a row, of `corners` points of its own.
+/// One cell per row, with `corners` points of its own.
 VtpCells cells_of(FrameColumns& rows, std::int32_t corners) {
   const auto n = static_cast<std::size_t>(corners);
   VtpCells out;
@@ -139,7 +139,7 @@ FrameWriter::FrameWriter(std::filesystem::path folder, double time) : FrameWrite
   }
 }
 
-/// One file of a frame: written, or listed again.
+/// One file of a frame: written, or only listed again.
 struct FrameWriter::Entry {
   int part;
   std::string file;
@@ -186,7 +186,7 @@ std::vector<FrameWriter::Entry> FrameWriter::draw(double time, const BodyList& b
   if (!solids.empty()) out.push_back(surfaces_entry(1, "bodies", bodies.only(std::move(solids)), time));
   if (contacts != nullptr) {
     require_countable(2 * contacts->size());
-    // also none: readers count the parts of a frame
+    // written also without contacts: readers count the parts of a frame
     out.push_back({2, file_of("contacts"), [time, contacts](const std::filesystem::path& path) {
                      write_vtp_pieces(path, contacts->begins(), [&](std::size_t piece) {
                        PolyData drawn;

@@ -33,12 +33,12 @@ class FrameWriter {
   /// `meanwhile` writes another file of the same time beside them; its error goes first.
   void write(double time, const BodyList& bodies, const ContactList& contacts,
              const std::function<void()>& meanwhile = {});
-  /// Of bodies read back from run.h5, which holds no contacts: those files that the run itself wrote stay in the list.
+  /// Writes a frame of bodies from run.h5, which holds no contacts: contact files of the run stay in the list.
   void write_bodies(double time, const BodyList& bodies);
   /// The next frames are listed under this name; empty: none.
   void name_stage(const std::string& name) { list_.group(name); }
   std::size_t frames() const { return next_; }
-  /// Where the walls were last written: without it a run that goes on writes them once more.
+  /// Frame in which the walls were last written: without it a resumed run writes them once more.
   void visit(StateVisitor& visitor);
 
  private:

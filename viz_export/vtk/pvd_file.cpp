@@ -14,7 +14,7 @@ namespace epafi {
 
 namespace {
 
-/// Value of attribute `key` in a line of our own .pvd.
+/// Value of attribute `key` in a line of a .pvd by this program.
 std::optional<std::string> attribute(const std::string& line, const std::string& key) {
   const std::string start = key + "=\"";
   const std::size_t begin = line.find(start);
@@ -32,7 +32,7 @@ bool parse(const std::optional<std::string>& text, T& value) {
   return result.ec == std::errc() && result.ptr == end;
 }
 
-/// As the value of an attribute.
+/// Escapes a text for use in an attribute.
 std::string attribute_text(const std::string& text) {
   std::string out;
   for (const char c : text) {

@@ -18,7 +18,7 @@ class PvdFile {
   void add(double time, int part, const std::string& file);
   /// Puts on disk what was added since the last call.
   void write();
-  /// Of the entries to come; empty: none.
+  /// Sets the group of later entries; empty: none.
   void group(const std::string& name) { group_ = name; }
 
   struct Entry {

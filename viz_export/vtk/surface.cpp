@@ -48,7 +48,7 @@ Surface triangles_of(const TriangleSurface& mesh) {
   return surface;
 }
 
-/// Shapes whose facets stand for a curved surface.
+/// True for shapes whose facets approximate a curved surface.
 template <class S>
 constexpr bool is_curved = std::is_same_v<S, Capsule> || std::is_same_v<S, Cylinder> || std::is_same_v<S, Ellipsoid> ||
                            std::is_same_v<S, Superquadric> || std::is_same_v<S, Clump> || HollowShape<S>;
@@ -63,7 +63,7 @@ Fineness fineness_of(const S& shape) {
   return fineness;
 }
 
-/// Support points of a latitude-longitude grid of directions about z: for shapes that offer nothing else.
+/// Support points in the directions of a latitude-longitude grid about z, for shapes without another surface.
 template <class S>
 Surface support_grid(const S& shape) {
   using std::numbers::pi;

@@ -56,7 +56,7 @@ std::string compress_blocks(Bytes data) {
   return out;
 }
 
-/// Arrays in the order in which they stand in a file.
+/// Arrays in the order of the file.
 std::vector<Bytes> arrays_of(const PolyData& d) {
   std::vector<Bytes> out;
   for (const auto* arrays : {&d.point_data, &d.cell_data})
@@ -70,7 +70,7 @@ std::vector<Bytes> arrays_of(const PolyData& d) {
   return out;
 }
 
-/// `rows` rows as large as `of` rows are.
+/// Scales a number of rows by rows / of.
 struct Multiple {
   std::size_t rows = 1, of = 1;
   std::size_t operator()(std::size_t n) const { return n / of * rows; }
@@ -123,7 +123,7 @@ void begin_appended(std::string& head) {
   head.append(word).append(" encoding=\"raw\"").append(16, ' ').append(">\n_");
 }
 
-/// A file up to the raw data. `d` has the arrays, of that many rows; offsets in the order of arrays_of.
+/// Head of a file up to the raw data. `d` holds the arrays; offsets are in the order of arrays_of.
 std::string head_of(const PolyData& d, const char* compressor, std::vector<std::size_t> offsets, Multiple whole) {
   ArrayTags tags(std::move(offsets));
   std::string head = fmt::format(
@@ -147,7 +147,7 @@ std::string head_of(const PolyData& d, const char* compressor, std::vector<std::
 
 constexpr std::string_view tail = "\n</AppendedData>\n</VTKFile>\n";
 
-/// A new file, written anywhere.
+/// A new file, written at given offsets.
 class PlacedFile {
  public:
   PlacedFile(const std::filesystem::path& side, const std::filesystem::path& named)

@@ -6,7 +6,7 @@
 /// * overlapping, A - B has no radius of curvature below r, the sum of the least radii of A and B, so that a ball of
 ///   radius r rolls freely inside it (Blaschke 1956): where the common normal has depth -g < r it is the least depth.
 /// Where a body has flat sides the steps are those of two_normals.h.
-/// Elsewhere the caller asks the exact method. Nothing is remembered: a pair has one answer, whatever came before.
+/// Otherwise the caller uses the exact method. There is no memory, so the result depends only on the poses.
 #pragma once
 #include <cmath>
 
@@ -35,7 +35,7 @@ struct RoundRef {
   Vec3 semi_axes;
   double least_radius;
   bool curved;
-  double contact_radius;  ///< of the sphere that stands for a shape which is flat somewhere [m]
+  double contact_radius;  ///< radius for R* of a shape that is flat somewhere [m]
 
   template <RoundShape S>
   static RoundRef to(const S& s) {
@@ -71,12 +71,12 @@ struct Tangents {
   }
 };
 
-/// Where two cores are nearest or deepest, in A's axes, relative to A's centre.
+/// Nearest or deepest points of two cores, in A's axes, relative to A's centre.
 struct CommonNormal {
   enum class Status {
     found,     ///< gap, normal and points are those of the signed distance
     beyond,    ///< the gap exceeds the limit: the normal certifies it, nothing else is known
-    uncertain  ///< overlap too deep to be certain, or no convergence: ask the exact method
+    uncertain  ///< overlap too deep to be certain, or no convergence: use the exact method
   };
   Status status = Status::uncertain;
   double gap = 0.0;                               ///< [m], negative where the cores overlap

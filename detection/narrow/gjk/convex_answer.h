@@ -1,5 +1,4 @@
-/// @file convex_answer.h  One convex pair asked by a named method: what `epafi narrow` prints and the accuracy table
-/// compares.
+/// @file convex_answer.h  Distance of one convex pair by a named method, for `epafi narrow` and the accuracy table.
 #pragma once
 #include <string_view>
 
@@ -24,7 +23,7 @@ struct ConvexAnswer {
   Vec3 witness_a = Vec3::Zero(), witness_b = Vec3::Zero();  ///< relative to the own body's position, world axes [m]
 };
 
-/// memory: of this pair, from earlier poses; it makes method automatic quicker and changes no bit of the answer.
+/// memory: of this pair, from earlier poses; makes method `automatic` faster, with the same bits.
 ConvexAnswer ask(ConvexMethod method, const PolyhedronView& a, const PolyhedronView& b, const Pose& pose_a,
                  const Pose& pose_b, PairMemory* memory = nullptr);
 

@@ -15,7 +15,7 @@ struct Placed {
   double r, h;
 };
 
-/// What keeps other directions from being shallower than the depth d along n. Of the body, seen from its point p:
+/// Certificate that no other direction is shallower than the depth d along n. For a body and its point p:
 /// * a ball of radius `ball` that touches p from inside is in it: no direction is shallower than d <= ball;
 /// * a cylinder with p on its rim is in it, of radius r and length l. Along m its support from p is at least
 ///   r (m.t)^2/2, t the tangent of the rim, and `far` |m.n| where m looks away, far = min(r, l). The sum of both bodies

@@ -1,5 +1,5 @@
-/// @file superquadric_pairs.h  two_normals() of pairs of superquadrics, as many at a time as a register has numbers:
-/// two thirds of a step of superquadrics, pair by pair, are roots and steps that wait for each other.
+/// @file superquadric_pairs.h  two_normals() for several pairs of superquadrics in SIMD lanes: pair by pair, two thirds
+/// of a step are dependent roots and Newton steps.
 #pragma once
 #include <span>
 
@@ -8,7 +8,7 @@
 
 namespace epafi {
 
-/// What two_normals() is asked.
+/// Arguments of two_normals().
 struct SuperquadricPair {
   const Superquadric *a, *b;
   Mat3 rotation;  ///< B's axes in A's

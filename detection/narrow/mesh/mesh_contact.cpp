@@ -9,9 +9,9 @@ namespace {
 
 constexpr double same = 1e-6;  // the manifold's snap distance, and an angle no contact law can feel
 
-/// Leaves the corners of the convex outline of the points seen along the normal (Andrew 1979), and the deepest point
-/// where it is deeper than they. Points between two corners, where a flat side crosses edges of the mesh, go: the
-/// corners stay the same whatever the triangles are.
+/// Keeps the corners of the convex outline of the points seen along the normal (Andrew 1979), and the deepest point if
+/// it is deeper. Points between corners, where a flat side crosses edges of the mesh, are dropped, so that the result
+/// does not depend on the triangles.
 void keep_outline(std::vector<PatchPoint>& points, const Vec3& normal, double tolerance) {
   if (points.size() <= 4) return;
   const ContactFrame frame = contact_frame(normal);
@@ -63,7 +63,7 @@ void drop_far(const TriangleMesh& mesh, const Vec3& x, double distance, std::siz
 }
 
 void reduce(std::vector<MeshPoint>& points, double size, bool springs) {
-  // regions that share an edge give its points one name: the deepest stays
+  // regions that share an edge give its points the same name: the deepest is kept
   std::sort(points.begin(), points.end(), [](const MeshPoint& a, const MeshPoint& b) {
     return a.feature != b.feature ? a.feature < b.feature : a.gap < b.gap;
   });

@@ -41,13 +41,13 @@ constexpr bool is_corner_of_body(Feature mesh_feature) {
 struct OverTriangle {
   double height;  ///< above the plane, towards the front [m]
   double beyond;  ///< the side that it lies farthest beyond; < 0: inside of all [m]
-  /// Of the distance [m^2], at least, but for rounding.
+  /// Lower bound of the squared distance [m^2], up to rounding.
   double least_square() const { return height * height + (beyond > 0.0 ? beyond * beyond : 0.0); }
 };
 inline OverTriangle over_triangle(const TriangleMesh& mesh, std::uint32_t t, const Vec3& x) {
   const Triangle& corner = mesh.triangles[t];
   const auto& inward = mesh.inward[t];
-  // differences first: the place of the mesh costs no digits
+  // differences first, for accuracy far from the origin
   const Vec3 a = x - mesh.vertices[corner[0]], b = x - mesh.vertices[corner[1]], c = x - mesh.vertices[corner[2]];
   return {mesh.normals[t].dot(a), -std::min({inward[0].dot(a), inward[1].dot(b), inward[2].dot(c)})};
 }
@@ -73,8 +73,8 @@ inline Vec3 normal_towards(const TriangleMesh& mesh, std::uint32_t t, const Vec3
   return n.dot(x - mesh.vertices[mesh.triangles[t][0]]) < 0.0 ? Vec3(-n) : n;
 }
 
-/// Takes those out of the triangles behind the first `first` ones that lie farther than `distance` [m] from x: one that
-/// lies askew has a box much larger than itself.
+/// Removes the triangles after the first `first` ones that are farther than `distance` [m] from x: the box of an
+/// oblique triangle is much larger than the triangle.
 void drop_far(const TriangleMesh& mesh, const Vec3& x, double distance, std::size_t first,
               std::vector<std::uint32_t>& triangles);
 
@@ -83,7 +83,7 @@ void drop_far(const TriangleMesh& mesh, const Vec3& x, double distance, std::siz
 /// takes of their outline (manifold.h).
 void reduce(std::vector<MeshPoint>& points, double size, bool springs);
 
-/// Hands the points to the sink, with the body as A. body: its pose in the mesh's axes.
+/// Adds the points to the sink, with the body as A. body: its pose in the mesh's axes.
 void emit(std::span<const MeshPoint> points, const Vec3& body, double radius, const PairQuery& q, ContactSink& sink);
 
 }  // namespace epafi

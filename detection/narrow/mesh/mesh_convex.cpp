@@ -14,8 +14,8 @@ constexpr double along_face = 1e-5;  // [rad]
 constexpr double same_edge_cosine = 0.7;  // directions nearer than 45 degrees at one point of the surface are one
 constexpr double narrow_enough = 1e-6;    // of the size: a wider interval than this is reported as degenerate
 
-/// All triangles lie in one face and none at its rim: the body sees a plane. (Where the face ended below the body, one
-/// of these would have an open or bent side.) A box on 30 triangles takes 0.2 us so (perf/mesh.cpp).
+/// True if all triangles are inside one face, so that the body is on a plane. (If the face ended below the body, one of
+/// them would have an open or bent side.) A box on 30 triangles then takes 0.2 us (perf/mesh.cpp).
 bool all_plain(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles) {
   return std::all_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) {
     const auto& kinds = mesh.edge_kinds[t];
@@ -115,7 +115,7 @@ class ConvexOnMesh {
     if (way.uncertainty > narrow_enough * std::max(b_.core.radius, region_.radius)) sink_->mark_degenerate();
     if (!(way.gap - b_.sweep < b_.reach) || !is_on_surface(way.on_mesh)) return;
     const RegionPlane& best = best_plane();
-    // a plane within 1e-5 rad of the way out is meant
+    // a plane within 1e-5 rad of the way out is used instead
     const bool along = way.normal.cross(best.normal).squaredNorm() <= along_face * along_face;
     const double slack = along ? b_.tolerance : 1e-3 * b_.tolerance + 1e-12 * region_.radius;
     const std::size_t before = out_.size();
@@ -194,7 +194,7 @@ class ConvexOnMesh {
     out_.push_back({nearest.point + 0.5 * gap * way.normal, way.normal, gap, mesh_feature(region_.first, name)});
   }
 
-  /// Walls around a notch, seen from behind, bend away from each other, but nothing is between them.
+  /// True for walls around a notch, seen from behind: they bend away from each other, but enclose nothing.
   bool is_on_surface(const Vec3& x) const {
     return std::ranges::any_of(triangles_, [&](std::uint32_t t) { return lies_on(*mesh_, t, x, 10.0 * b_.tolerance); });
   }
@@ -202,8 +202,8 @@ class ConvexOnMesh {
     for (RegionPlane& p : region_.planes) p.gap = p.normal.dot(b_.tip(-p.normal) - p.point);
     return *std::ranges::max_element(region_.planes, {}, &RegionPlane::gap);
   }
-  /// A triangle at x that is not of the region reaches out along the way, and the body would go into it or along the
-  /// surface: a concave or an inner edge.
+  /// True if a triangle at x outside the region extends along the way out, so that the body would move into it or along
+  /// the surface: a concave or an inner edge.
   bool leans_on_others(const WayOut& way, const Vec3& x) const {
     const auto reaches_out = [&](const Vec3& c) {  // flat within 1e-6 rad is not reaching out
       return way.normal.dot(c - x) > 1e-3 * b_.tolerance + 1e-6 * (c - x).norm();
@@ -213,7 +213,7 @@ class ConvexOnMesh {
              std::ranges::any_of(mesh_->corners(t), reaches_out);
     });
   }
-  /// The point belongs to a region that is as deep there.
+  /// True if another region that contains the point is as deep there.
   bool is_known(const WayOut& way) const {
     for (std::size_t k = 0; k < triangles_.size(); ++k) {
       if (region_of_[k] == none || !lies_on(*mesh_, triangles_[k], way.on_mesh, b_.tolerance)) continue;
@@ -291,8 +291,8 @@ class ConvexOnMesh {
       return mesh_->face[t] == mesh_->face[face] && over_triangle(*mesh_, t, x).beyond <= b_.tolerance;
     });
   }
-  /// Did the body come to x, behind the face of t, through that face and through no other before? Otherwise x belongs
-  /// to the surface beyond an edge: a corner of a box on a table is behind the table's side as well.
+  /// True if the body has reached x, behind the face of t, through that face first. Otherwise x belongs to the surface
+  /// beyond an edge: a corner of a box on a table is also behind the table's side.
   bool came_through(std::uint32_t face, const Vec3& n, const Vec3& x) const {
     const Vec3& point = mesh_->vertices[mesh_->triangles[face][0]];
     const Vec3& centre = b_.pose.position;

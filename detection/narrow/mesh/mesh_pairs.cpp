@@ -60,7 +60,7 @@ class SphereOnMesh {
       touches_.push_back({near.distance, t, {centre + near.point, near.distance, near.part}, n});
     }
     if (touches_.size() < 2) return;
-    // as near as rounding can tell, a face comes before its edge: the foot beside the edge is not on the next triangle
+    // at equal distance within rounding a face precedes its edge
     const auto is_before = [this](const Touch& a, const Touch& b) {
       const bool on_face = a.nearest.part == TrianglePart::face;
       if (on_face == (b.nearest.part == TrianglePart::face))
@@ -69,8 +69,8 @@ class SphereOnMesh {
     };
     std::sort(touches_.begin(), touches_.end(), is_before);
   }
-  /// In a shallow hollow of a smooth surface several faces are near, where the surface that they stand for touches
-  /// once: of faces that gentle edges join within reach, the nearest leaves out those turned by less than `one_spot`.
+  /// In a shallow hollow several faces are near where the smooth surface would touch once: of faces joined by gentle
+  /// edges within reach, the nearest one replaces those inclined by less than `one_spot`.
   void leave_hollows() {
     find_spots();
     for (std::size_t i = 1; i < touches_.size(); ++i) {
@@ -106,8 +106,8 @@ class SphereOnMesh {
     const auto part = static_cast<std::size_t>(touch.nearest.part);
     return touch.nearest.part == TrianglePart::face || (part <= 3 && mesh_.is_smooth(touch.triangle, part - 1));
   }
-  /// Its nearest point lies on a triangle that comes as close or closer, or behind one (a plate thinner than the
-  /// overlap is one wall), or behind a face that the centre went through.
+  /// True if its nearest point is on or behind a triangle that is as close or closer (a plate thinner than the overlap
+  /// is one wall), or behind a face that the centre has passed.
   bool is_covered(std::size_t i, const Vec3& inside) const {
     const Touch& touch = touches_[i];
     for (std::size_t j = 0; j < i; ++j) {

@@ -1,12 +1,12 @@
 /// @file mesh_pairs.h  Bodies against the triangles of a mesh. Both sides of a triangle are walls: a body is pushed to
-/// the side on which its centre is. Contacts are local minima of the distance over the surface: one whose nearest point
-/// also lies on a triangle that comes closer, or behind one, is left out, so inner edges and vertices are not felt. A
-/// convex body is held by the convex regions of the surface (mesh_region.h): on a face by its plane, as deep as the
-/// region lets it be; at edges and corners by the way out of the region. Of one normal at most four points are kept, or
-/// under springs all corners of the body. On a face the contact is named by the face, not by the triangle: its memory
-/// survives the way from triangle to triangle. A ball in a shallow hollow touches once: of faces that edges bent by
-/// less than a degree join, the nearest stands for those within 30 degrees. Limits: bodies that move more than their
-/// size through the surface in one step; hulls, and balls in steeper hollows, have one contact for each face.
+/// the side of its centre. Contacts are local minima of the distance over the surface; a point that also lies on or
+/// behind a closer triangle is dropped, so inner edges and vertices have no effect. Convex bodies touch convex regions
+/// of the surface (mesh_region.h): the plane of a face, with the depth limited by the region; at edges and corners
+/// along the shortest way out of the region. At most four points of one normal are kept, or under smooth laws all
+/// corners of the body. A contact on a face is named after the face, so its memory persists from triangle to triangle.
+/// A ball in a shallow hollow has one contact: of faces joined by edges of less than a degree, the nearest represents
+/// those within 30 degrees. Limits: bodies that move by more than their size through the surface in one step; hulls,
+/// and balls in steeper hollows, have one contact per face.
 #pragma once
 #include "detection/narrow/mesh/mesh_contact.h"
 #include "detection/narrow/pairs/closed_forms.h"

@@ -93,8 +93,8 @@ class Gathering {
   MeshRegion& region_;
 };
 
-/// Which side of a surface a point sees, by the place of the surface nearest to it, there by the normals weighted with
-/// their angles (Baerentzen and Aanaes 2005).
+/// Side of a surface on which a point is, by the nearest surface point and its angle-weighted normal (Baerentzen and
+/// Aanaes 2005).
 struct NearestPlace {
   double distance = infinity, height = 0.0;
 
@@ -107,7 +107,7 @@ struct NearestPlace {
       height -= angle_at(near.part, corner) * mesh.normals[t].dot(near.point);
     distance = std::min(distance, near.distance);
   }
-  /// How far the surface goes around a point of a triangle [rad].
+  /// Angle of the surface around a point of a triangle [rad].
   static double angle_at(TrianglePart part, const std::array<Vec3, 3>& corner) {
     if (part == TrianglePart::face) return 2.0 * half_turn;
     if (part < TrianglePart::corner0) return half_turn;

@@ -1,6 +1,6 @@
-/// @file mesh_region.h  The convex regions of a surface: a triangle with those around it that bend away from it and
-/// from each other; of a face with notches or holes a part around none. A body overlaps their convex hull by no more
-/// than the way out of it, on faces, edges and corners alike.
+/// @file mesh_region.h  The convex regions of a surface: a triangle with neighbours that bend away from it and from
+/// each other; of a face with notches or holes a convex part. The overlap of a body is limited to the shortest way out
+/// of the region's convex hull, on faces, edges and corners.
 #pragma once
 #include "detection/narrow/gjk/minkowski.h"
 #include "detection/narrow/mesh/mesh_contact.h"
@@ -62,8 +62,8 @@ WayOut find_way_out(const PlacedCore& body, const MeshRegion& region);
 /// and, as old as they are, some others: what is found among these alone does not depend on the age of a list.
 bool is_near(const PlacedCore& body, std::uint32_t t);
 
-/// On which side of the surface x is, by triangle (ascending): one answer for all that are connected among them, also
-/// where the planes of some say otherwise. front: 1, back: 0.
+/// Side of the surface on which x is, by triangle (ascending): the same for connected triangles, even if the planes of
+/// some differ. front: 1, back: 0.
 void find_sides(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, const Vec3& x,
                 std::vector<unsigned char>& front);
 

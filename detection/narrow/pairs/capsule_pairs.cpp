@@ -91,8 +91,8 @@ void collide_closed(const Cylinder& a, const HalfSpace& b, const PairQuery& q, C
   };
   add(end + down, height + local.dot(end + low), 0);  // its depth is that of the rim, to the last bit
   if (across < 0.5) {
-    // Steeper than 60 deg it stands or rolls on its rim, on points that go round with the lowest one: so their springs
-    // have a potential, and none fixed in the body takes the impulse of the one that passes by (Euler's disk).
+    // Steeper than 60 degrees it stands or rolls on its rim, with points that follow the lowest one: their springs have
+    // a potential, and no point fixed in the body receives the impulse of a passing one (Euler's disk).
     const Vec3 aside(-down.y(), down.x(), 0.0);
     const Vec3 others[] = {aside, -down, -aside};
     for (Feature k = 1; k <= 3; ++k) add(end + others[k - 1], height + local.dot(end + others[k - 1]), k);

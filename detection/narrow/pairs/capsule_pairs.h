@@ -1,5 +1,5 @@
-/// @file capsule_pairs.h  Closed forms for capsules and for a cylinder on a plane. R* takes the capsule's own radius,
-/// that of its ends; along its side it is the smaller of the two curvatures that is left out.
+/// @file capsule_pairs.h  Closed forms for capsules and for a cylinder on a plane. R* uses the capsule's radius; along
+/// its side the second, zero curvature is neglected.
 #pragma once
 #include "detection/narrow/pairs/pair_query.h"
 #include "detection/shapes/capsule.h"

@@ -1,6 +1,6 @@
-/// @file capsule_sieve.h  Pairs of capsules of a run, two, four or eight at a time. A list of elongated bodies names
-/// many pairs that are apart (of 2000 settled capsules five of six); of those whose axes cross, the contact is found
-/// here with the bits of the closed form, and the closed form itself is left with axes that are nearly parallel.
+/// @file capsule_sieve.h  Pairs of capsules of a run, two, four or eight at a time. A list of elongated bodies contains
+/// many separated pairs (five of six for 2000 settled capsules). Contacts of crossing axes are computed here with the
+/// bits of the closed form; only nearly parallel axes need the closed form itself.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -13,13 +13,13 @@ namespace epafi {
 
 /// A pair that touches, or may.
 struct NearCapsules {
-  std::uint32_t pair;  ///< its place in the run
-  bool is_found;       ///< `point` is its contact; else collide_closed is to be asked
+  std::uint32_t pair;  ///< its index in the run
+  bool is_found;       ///< `point` is its contact; else call collide_closed
   ContactPoint point;
 };
 
-/// In the order of `pairs`. reach(pair): gaps below it are contacts [m], as collide_closed is asked. The result lasts
-/// until the next call on the same thread.
+/// Results in the order of `pairs`. reach(pair): largest gap of a contact [m], as for collide_closed. The result is
+/// valid until the next call on the same thread.
 template <class Reach>
 std::span<const NearCapsules> near_capsules(const World& world, std::span<const Capsule> shapes,
                                             std::span<const Pair> pairs, const Reach& reach);

@@ -11,14 +11,14 @@
 
 namespace epafi {
 
-/// Two cores with the spheres swept over them [m], and the radii that stand for their curvature.
+/// Two cores with their swept spheres [m], and the radii for R*.
 struct RoundedPair {
   double sweep_a, sweep_b;
   TouchingRadius radius_a, radius_b;
 };
 
-/// The signed distance of two cores where their kinds allow a quick answer; one that is `uncertain` is left to GJK and
-/// EPA. rotation, offset: B's axes and centre in A's.
+/// Signed distance of two cores by a fast method for their kinds; if `uncertain`, use GJK and EPA. rotation, offset:
+/// B's axes and centre in A's.
 using QuickDistance = CommonNormal (*)(const void* a, const void* b, const Mat3& rotation, const Vec3& offset,
                                        double limit);
 
@@ -40,11 +40,11 @@ constexpr QuickDistance quick_distance() {
   }
 }
 
-/// A core and what is left of it where a ball has rolled along inside: the same core less a sweep of the ball's radius.
-/// A ball of the least radius of curvature rolls freely inside a smooth convex body (Blaschke 1956).
+/// A core eroded by a ball (the same core less a sweep of the ball's radius). A ball of the least radius of curvature
+/// rolls freely inside a smooth convex body (Blaschke 1956).
 struct PeeledCore {
   ConvexRef inner;
-  double peel = 0.0;  ///< radius of the ball [m]; 0: the core has corners, or none is wanted
+  double peel = 0.0;  ///< radius of the ball [m]; 0: no erosion (the core has corners)
 
   template <ConvexShape S>
   static PeeledCore of(const S& s) {
@@ -61,7 +61,7 @@ struct PeeledCore {
   }
 
  private:
-  static constexpr double share_peeled = 0.9;  // what is left has a smooth surface
+  static constexpr double share_peeled = 0.9;  // the eroded core has a smooth surface
 };
 
 /// Two cores and their quick distance, which may be null.
@@ -123,9 +123,9 @@ RoundedPair rounded_pair(const A& a, const B& b) {
   return {a.rounding(), b.rounding(), TouchingRadius::of(a), TouchingRadius::of(b)};
 }
 
-/// Two bodies that their bounding spheres or the axis of their last query separate; tested first, since they are two
-/// thirds of the pairs of a bed of boxes. The axis must clear the reach by more than rounding, so a search would have
-/// found no contact either: the memory of a pair cannot change a result.
+/// True if bounding spheres or the axis of the last query separate the bodies; tested first, since this holds for two
+/// thirds of the pairs of a bed of boxes. The separation must exceed the reach by more than rounding, so a search would
+/// find no contact either: the memory of a pair cannot change a result.
 template <ConvexShape A, ConvexShape B>
 bool still_apart(const A& a, const B& b, const PairQuery& q) {
   const Vec3 between = q.b.position - q.a.position;
@@ -141,7 +141,7 @@ bool still_apart(const A& a, const B& b, const PairQuery& q) {
   return gap > limit + 4e-12 * size;
 }
 
-/// A pair that is apart keeps no resting patch.
+/// Separated pairs keep no resting patch.
 void leave_rest(const PairQuery& q);
 
 /// The default for two convex shapes. A closed form (collide_closed) replaces it.

@@ -18,8 +18,8 @@ FlatSide facing_side(const CoreAndPolyhedron& pair, const Vec3& direction) {
   return side;
 }
 
-/// The points of a round end go round with the lowest one, against `m`: so their springs have a potential. Upright to
-/// within rounding they stay where the body has them.
+/// The points of a round end follow the lowest one, against `m`, so that their springs have a potential. Upright to
+/// within rounding they are fixed in the body.
 void turn_round_end(const Vec3& m, std::vector<SidePoint>& side) {
   constexpr double upright = 1e-6;
   const Vec3 centre = 0.5 * (side[0].x + side[4].x), arm = side[0].x - centre, across = side[2].x - centre;
@@ -35,7 +35,8 @@ void turn_round_end(const Vec3& m, std::vector<SidePoint>& side) {
   }
 }
 
-/// A round end all of which is over the face has four points: which of eight remain would change with those that touch.
+/// A round end that is completely over the face has four points, since a selection from eight would change with the
+/// touching ones.
 void keep_quarters(std::vector<SidePoint>& side) {
   const auto is_cut = [](const SidePoint& s) { return s.cut != 0; };
   if (side.size() != round_end || std::ranges::any_of(side, is_cut)) return;
@@ -105,7 +106,7 @@ Patch core_patch(const CoreAndPolyhedron& pair, const NearestPoint& nearest, dou
             p.face_begin[face + 1] - begin, m, side_snap * pair.size, side);
   keep_quarters(side);
   for (const SidePoint& s : side) {
-    // never below the nearest: along a normal that is not the face's, a point beside the face may seem so
+    // never below the nearest: along a normal other than the face's, a point beside the face may appear deeper
     const double gap =
         std::max(nearest.gap, (m.dot(s.x) - p.face_offsets[face]) / m.dot(n) - sweep_polyhedron - sweep_core);
     if (!(gap < reach)) continue;

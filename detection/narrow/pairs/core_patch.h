@@ -1,6 +1,6 @@
 /// @file core_patch.h  Several contact points of a capsule or cylinder with a polyhedron: its straight side or flat
-/// end, clipped to the face or the edge of the polyhedron that faces it. One point lets a lying capsule or a standing
-/// cylinder rock.
+/// end, clipped to the face or the edge of the polyhedron that faces it. With one point a lying capsule or a standing
+/// cylinder would rock.
 #pragma once
 #include "detection/narrow/polyhedra/manifold.h"
 #include "detection/shapes/flat_side.h"

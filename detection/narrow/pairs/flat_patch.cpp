@@ -45,7 +45,7 @@ Patch flat_patch(const FlatPair& pair, const NearestPoint& nearest, double reach
   side.clear();
   points.clear();
   const Vec3& n = nearest.normal;
-  // the end with more corners is the table, the other side's points lie on it
+  // the end with more corners is the reference, the other side's points are on it
   const bool table_is_b = pair.b.count > pair.a.count;
   const FlatSide &table = table_is_b ? pair.b : pair.a, &laid = table_is_b ? pair.a : pair.b;
   const Vec3 up = table_is_b ? Vec3(-n) : n;  // away from the table's body
@@ -65,7 +65,7 @@ Patch flat_patch(const FlatPair& pair, const NearestPoint& nearest, double reach
               tolerance, side);
   }
   for (const SidePoint& s : side) {
-    // never below the nearest: along a normal that is not the end's, a point beside it may seem so
+    // never below the nearest: along a normal other than the end's, a point beside it may appear deeper
     const double gap = std::max(nearest.gap, m.dot(s.x - table.corner[0]) / m.dot(up) - pair.sweep_a - pair.sweep_b);
     if (!(gap < reach)) continue;
     const FeatureKind kind = s.cut != 0   ? FeatureKind::edges

@@ -1,5 +1,6 @@
 /// @file flat_patch.h  Several contact points of two smooth bodies whose flat sides face each other: a cylinder on a
-/// cylinder, end on end, side on end, side along side. One point, found anew in every step, lets what stands tremble.
+/// cylinder, end on end, side on end, side along side. With one point, found anew in every step, standing bodies would
+/// vibrate.
 #pragma once
 #include "detection/narrow/pairs/core_patch.h"
 

@@ -7,8 +7,8 @@
 namespace epafi {
 namespace {
 
-/// Leaves the vertices of faces that look at the plane, and the deepest one: the far side of a thin slab is within
-/// reach too, and the farthest of eight corners would be on it.
+/// Keeps the vertices of faces towards the plane, and the deepest one: the far side of a thin slab is within reach too,
+/// and the farthest of eight corners would be on it.
 void keep_facing(const PolyhedronView& a, const Vec3& outward_in_a, std::vector<PatchPoint>& points) {
   static thread_local std::vector<char> faces_plane;
   faces_plane.assign(a.vertices.size(), 0);

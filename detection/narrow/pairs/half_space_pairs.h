@@ -7,7 +7,7 @@
 
 namespace epafi {
 
-/// Vertices below reach, of many those that keep_corners takes, named by their index.
+/// Vertices within reach, reduced by keep_corners, named by their index.
 void collide_with_plane(const PolyhedronView& a, double sweep, double radius, const HalfSpace& b, const PairQuery& q,
                         ContactSink& sink);
 

@@ -1,7 +1,7 @@
-/// @file hertz_radius.h  The radius R* that stands for an elliptic contact in F = 4/3 E* sqrt(R*) depth^1.5
-/// (Hertz 1882; Johnson 1985, section 4.2). The gap near the contact is A x^2 + B y^2 with A <= B, from the relative
-/// curvatures of the two surfaces; the axis ratio k of the ellipse follows from A/B = k^2 D(k)/B(k), and
-/// R* = pi^2 D/(4 K^3 A). For equal curvatures this is 1/(1/R_a + 1/R_b).
+/// @file hertz_radius.h  The effective radius R* of an elliptic contact in F = 4/3 E* sqrt(R*) depth^1.5 (Hertz 1882;
+/// Johnson 1985, section 4.2). The gap near the contact is A x^2 + B y^2 with A <= B, from the relative curvatures of
+/// the two surfaces; the axis ratio k of the ellipse follows from A/B = k^2 D(k)/B(k), and R* = pi^2 D/(4 K^3 A). For
+/// equal curvatures this is 1/(1/R_a + 1/R_b).
 #pragma once
 #include "detection/narrow/gjk/common_normal.h"
 

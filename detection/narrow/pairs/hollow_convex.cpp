@@ -214,7 +214,8 @@ class Guest {
     }
   }
 
-  /// The solid that the wall encloses; what it gives on an open end is the rim's to say where the body is over it.
+  /// Contacts with the solid that the wall encloses, without those on an open end, where the rim counts if the body is
+  /// over it.
   void meet_solid() {
     static thread_local ContactSet set;  // keeps its size
     set.clear();
@@ -282,7 +283,7 @@ class Guest {
     sink_.leave_part(Vec3::Zero());
   }
 
-  /// On an edge of the body the normal is the one between those of its two faces that stands across the rim.
+  /// On an edge of the body the normal is between those of its two faces, perpendicular to the rim.
   template <class Place>
   void add_rim_point(const Vec3& azimuth, const Place& place, bool at_end, Feature feature,
                      std::vector<Point>& points) const {

@@ -1,21 +1,19 @@
 /// @file hollow_pairs.h  Contacts with hollow walls of no thickness (tube, cone), in closed form for balls.
 /// Balls: every local minimum of the distance along the wall's outline in the half plane of axis and centre, on the
 /// near side and, from inside, on the far side too (a ball that is wider than the wall). So a ball touches the side, a
-/// closed end, both in the corner between them, and the rim of an open end. Other convex bodies feel the side of the
+/// closed end, both in the corner between them, and the rim of an open end. Other convex bodies touch the side of the
 /// wall on which their centre is:
-/// * inside the corners of polyhedra and capsules, and where other bodies reach furthest across the side, are held by
-/// it
-///   (exact: what is inside is convex, so that a convex body reaches furthest across at its extreme points); a closed
-///   end is a plane;
+/// * inside, contacts are at the corners of polyhedra and capsules, and at the extreme points of other bodies (exact,
+///   since the inside is convex); a closed end is a plane;
 /// * outside, the wall is the solid that it encloses;
-/// * the rim of an open end is searched for its deepest points, from 24 directions, along with the normal that stands
-///   across both the rim and the body's surface or edge.
-/// At most four points a part. Limits: a body whose centre crosses the wall changes sides; of places that lie within
-/// 15 degrees around the axis one is found, and a body that is wider than a short tube and tilted in it is held by its
-/// rims alone.
-/// The radius R* has the curvature of the wall across it, negative inside: an elliptic contact (hertz_radius.h). On a
-/// rim the curvature goes over from that of the inside to that of the outside. A wall as curved as the body counts with
-/// 0.9 of the body's curvature, where no law of a point contact holds (a ball wedged in a cone touches along a circle).
+/// * the rim of an open end is searched for its deepest points, from 24 directions, with the normal perpendicular to
+/// the
+///   rim and to the body's surface or edge.
+/// At most four points a part. Limits: a body whose centre crosses the wall changes sides; of contacts within 15
+/// degrees around the axis one is found; a tilted body wider than a short tube touches only its rims. The radius R* has
+/// the curvature of the wall across it, negative inside: an elliptic contact (hertz_radius.h). On a rim the curvature
+/// varies from that of the inside to that of the outside. The wall's curvature is limited to 0.9 of the body's; beyond,
+/// the contact is no point contact (a ball wedged in a cone touches along a circle).
 #pragma once
 #include "detection/narrow/pairs/capsule_pairs.h"
 #include "detection/narrow/pairs/convex_pairs.h"
@@ -28,7 +26,7 @@
 
 namespace epafi {
 
-/// R* of a ball of radius r on a wall of that curvature across, negative inside [m].
+/// R* of a ball of radius r on a wall with this curvature across the side, negative inside [m].
 double wall_contact_radius(double r, double curvature);
 
 /// A ball in the wall's axes: f(distance, direction, curvature, feature) for each place nearer than `limit`; direction:
@@ -53,7 +51,7 @@ struct HollowGuest {
   const void* shape;
   ConvexRef core;
   double sweep, contact_radius;
-  std::span<const Vec3> corners;                 ///< extreme points of the core, body axes; empty: ask the support
+  std::span<const Vec3> corners;                 ///< extreme points of the core, body axes; empty: use the support
   FlatSide (*facing)(const void*, const Vec3&);  ///< or null
   const RoundRef* round;                         ///< or null
   void (*on_plane)(const void*, const HalfSpace&, const PairQuery&, ContactSink&);

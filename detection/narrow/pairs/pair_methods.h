@@ -1,4 +1,4 @@
-/// @file pair_methods.h  What the pair table says of itself, without its heavy templates.
+/// @file pair_methods.h  Methods of the pair table by name, without its templates.
 #pragma once
 #include <string>
 #include <string_view>

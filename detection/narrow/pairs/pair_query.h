@@ -1,4 +1,4 @@
-/// @file pair_query.h  What every pair function takes and gives: collide(shape_a, shape_b, query, sink).
+/// @file pair_query.h  Arguments of every pair function: collide(shape_a, shape_b, query, sink).
 #pragma once
 #include <memory>
 #include <vector>
@@ -8,10 +8,10 @@
 
 namespace epafi {
 
-/// What a pair remembers of its last step. A shortcut only: answers are the same bits without it, so it is not state.
+/// Memory of a pair from its last step. Results have the same bits without it, so it is not state.
 struct PairCache {
   Vec3 axis = Vec3::Zero();  ///< a direction that separates, from A to B, world axes; zero: unknown
-  /// Of two polyhedra that have touched, or whose axis has ceased to separate; null with most pairs of a list.
+  /// Memory of two polyhedra that have touched, or whose axis no longer separates; null for most pairs.
   std::unique_ptr<PairMemory> polyhedra;
 
   PairMemory& made() {
@@ -20,8 +20,8 @@ struct PairCache {
   }
 };
 
-/// What the convex parts of two bodies remember of each other: those that were asked lately, in the order of the parts
-/// (of ten parts each some twelve pairs, where all would be a hundred). A shortcut as a PairCache is.
+/// Memory of pairs of convex parts of two bodies, for the pairs of the last queries, in the order of the parts (about
+/// twelve of a hundred pairs for ten parts each). Like PairCache it does not affect results.
 class PartMemory {
   struct Entry {
     std::uint32_t parts;
@@ -31,7 +31,7 @@ class PartMemory {
  public:
   static constexpr std::size_t bytes_per_pair = sizeof(Entry);  ///< of parts
 
-  /// Between begin() and end() parts come in ascending order.
+  /// Starts a pass; between begin() and end() call of() in ascending order.
   void begin() { at_ = asked_ = 0; }
   PairCache& of(std::uint32_t parts) {
     while (at_ < entries_.size() && entries_[at_].parts < parts) ++at_;
@@ -40,7 +40,7 @@ class PartMemory {
     ++asked_;
     return entries_[at_].cache;
   }
-  /// Where bodies have turned on, most was of other parts: it is forgotten.
+  /// Discards the memory if most of it belongs to parts that were not queried.
   void end() {
     if (entries_.size() > 2 * asked_ + 8) entries_.clear();
   }
@@ -56,15 +56,15 @@ struct RestingPatch;
 /// One pair at one instant.
 struct PairQuery {
   Pose a, b;
-  double reach = 0.0;      ///< contacts with gap < reach are wanted [m]; 0: overlapping ones only
-  bool curvature = false;  ///< effective_radius is wanted
+  double reach = 0.0;      ///< find contacts with gap < reach [m]; 0: overlapping ones only
+  bool curvature = false;  ///< compute effective_radius
   PairCache* cache = nullptr;
-  bool area = false;                                 ///< polyhedra give cells of their overlap volume instead of points
-  std::unique_ptr<RestingPatch>* resting = nullptr;  ///< state of two polyhedra, where they may keep their points
-  PartMemory* parts = nullptr;                       ///< where a body has convex parts
-  bool wall_a = false, wall_b = false;               ///< fixed or driven: what is flat of it has no radius
+  bool area = false;                                 ///< for polyhedra: cells of the overlap volume instead of points
+  std::unique_ptr<RestingPatch>* resting = nullptr;  ///< state of two polyhedra that may keep their points
+  PartMemory* parts = nullptr;                       ///< for bodies with convex parts
+  bool wall_a = false, wall_b = false;               ///< fixed or driven: its flat faces have infinite radius
 
-  /// The same question of parts that stand at p and r, which remember nothing.
+  /// The same query for parts at poses p and r, without memory.
   PairQuery of_parts(const Pose& p, const Pose& r) const {
     PairQuery q{p, r, reach, curvature, nullptr, area};
     q.wall_a = wall_a;
@@ -82,8 +82,7 @@ struct PairQuery {
 class ContactSink {
  public:
   explicit ContactSink(ContactSet& out) : out_(out) {}
-  /// Opens the pair that the next points belong to.
-  /// image: of the contact's key, in a periodic cell.
+  /// Begins a pair; the next points belong to it. image: image code of the contact's key, in a periodic cell.
   void begin(Slot a, Slot b, std::uint32_t image = 0) {
     a_ = a;
     b_ = b;
@@ -94,8 +93,8 @@ class ContactSink {
     depth_ = 0;
     offset_.setZero();
   }
-  /// The next points are those of part k of a body; offset: of the part from A's centre where it is A's, else 0 [m].
-  /// The number stands in bits 48 to 55 of the feature, that of a part within a part in the eight below.
+  /// The next points belong to part k of a body; offset: of the part from A's centre if it is a part of A, else 0 [m].
+  /// k is in bits 48 to 55 of the feature, the number of a part within a part in the eight bits below.
   void enter_part(std::size_t k, const Vec3& offset) {
     depth_ += 1;
     part_ |= Feature{k} << (56 - 8 * depth_);
@@ -106,8 +105,8 @@ class ContactSink {
     depth_ -= 1;
     offset_ -= offset;
   }
-  /// The next points come from a function that has the bodies the other way round: normals turn, arms are taken from A.
-  /// centre: of the function's A relative to the pair's A [m].
+  /// The next points come from a function with exchanged bodies: normals change sign, arms are converted to A. centre:
+  /// of the function's A relative to the pair's A [m].
   void flip(const Vec3& centre) {
     flipped_ = true;
     centre_ = centre;
@@ -120,14 +119,14 @@ class ContactSink {
     if (depth_ > 0) out_.arm.back() += offset_;
     out_.feature.back() |= image_ | part_;
   }
-  /// A pair whose certified interval did not close: counted, and reported by the narrow phase.
+  /// Counts a pair whose certified interval did not close, for the narrow phase.
   void mark_degenerate() { ++degenerate_; }
   std::size_t degenerate() const { return degenerate_; }
-  /// Closes the pair: its points are put in the order of their features, which are distinct within a pair.
+  /// Ends the pair: sorts its points by feature, which is unique within a pair.
   void end() {
     if (out_.size() > first_ + 1) sort();
   }
-  /// Points of the open pair so far.
+  /// Number of points of the present pair so far.
   std::size_t count() const { return out_.size() - first_; }
 
  private:

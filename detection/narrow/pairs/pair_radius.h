@@ -1,6 +1,6 @@
-/// @file pair_radius.h  R* of a pair whose shapes are not spheres. A flat is flat whatever body it belongs to: against
-/// it the other body's radius counts alone. Where both are flat, that of the wall (a fixed or driven body) is the flat,
-/// then that of a polyhedron; of two equals both count by the sphere of equal volume.
+/// @file pair_radius.h  R* of a pair of shapes other than spheres. A flat side has infinite radius, so R* is the other
+/// body's radius. If both sides are flat, that of a wall (fixed or driven body) counts as flat, else that of a
+/// polyhedron; of two equals both have the radius of the sphere of equal volume.
 #pragma once
 #include <cmath>
 #include <concepts>
@@ -17,7 +17,7 @@ concept RadiusByDirection = requires(const S& s, const Vec3& d) {
   { s.radius_towards(d) } -> std::same_as<double>;
 };
 
-/// The radius that stands for one body's curvature, behind one function pointer.
+/// The radius of one body for R*, behind one function pointer.
 struct TouchingRadius {
   const void* shape = nullptr;
   double (*radius_towards)(const void* shape, const Vec3& d) = nullptr;  ///< null: flat everywhere

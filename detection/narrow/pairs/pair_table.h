@@ -29,7 +29,7 @@ concept MeshShape = requires(const M& m, const Aabb& box, std::vector<std::uint3
   m.query(box, out);
 };
 
-/// What a batch reads.
+/// Input of a batch.
 struct BatchInput {
   const ShapeStore& shapes;
   const World& world;
@@ -55,7 +55,7 @@ struct PairCell {
   void (*batch)(const BatchInput&, std::span<const Pair>, ContactSink&) = nullptr;
   /// Appends the candidate triangles of a pair for a body that may move by `margin` [m]; null where there are none.
   void (*candidates)(const BatchInput&, const Pair&, double margin, std::vector<std::uint32_t>&) = nullptr;
-  /// Whether the bodies may touch while they come closer by `margin` [m] at most; null: it is not asked.
+  /// True where the bodies may touch after an approach of at most `margin` [m]; null: always assumed.
   bool (*near)(const BatchInput&, const Pair&, double margin) = nullptr;
   const char* method = "none";
   bool remembers = false;  ///< keeps a PairCache per pair
@@ -89,9 +89,8 @@ inline PairQuery query_of(const BatchInput& in, const Pair& p, std::size_t k) {
   return q;
 }
 
-/// How a pair is decided; `exchanged`: by the function of (B, A).
-/// balls: both consist of balls; parts: convex ones, selected by a search; parts_of_a, parts_of_b: every part is
-/// tested.
+/// Method of a pair. exchanged: by the function of (B, A); balls: both consist of balls; parts: convex parts, selected
+/// by a search; parts_of_a, parts_of_b: every part is tested.
 enum class PairMethod {
   balls,
   closed,
@@ -185,7 +184,7 @@ void find_candidates(const BatchInput& in, const Pair& p, bool mesh_first, doubl
   drop_far(triangles, relative.position, near.bounding_radius() + margin + in.reach, first, out);
 }
 
-/// A hollow wall has all that is inside it in its box: most of a filling is far from its surface.
+/// The box of a hollow wall contains everything inside it, but most of a filling is far from its surface.
 template <class Wall, class Body>
 bool is_near_wall(const BatchInput& in, const Pair& p, bool wall_first, double margin) {
   const Slot wall = wall_first ? p.a : p.b, body = wall_first ? p.b : p.a;
@@ -197,8 +196,8 @@ bool is_near_wall(const BatchInput& in, const Pair& p, bool wall_first, double m
   return shape.wall.distance(pose.to_local(centre)) <= near.bounding_radius() + margin + in.reach;
 }
 
-/// Asks for what the next pairs read of their second bodies, which lie apart (the first one stays): without this 1000
-/// stones wait for it in a sixth of their narrow phase. Two ahead where the shape is, one ahead what it points to.
+/// Prefetches the second bodies of the next pairs: the pointer to the shape two pairs ahead, its data one ahead.
+/// Without this, 1000 stones wait for memory in a sixth of their narrow phase.
 template <class B>
 void look_ahead(const BatchInput& in, std::span<const Pair> pairs, std::size_t k) {
   const std::vector<B>& bs = in.shapes.of<B>();

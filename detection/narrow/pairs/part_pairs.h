@@ -1,6 +1,6 @@
-/// @file part_pairs.h  Two bodies of which one at least consists of convex parts: which pairs of parts are tested.
-/// Of two stones of ten parts four of five pairs of parts are apart in the direction from stone to stone: one support
-/// per part shows it, where a search would take 0.4 us per pair.
+/// @file part_pairs.h  Two bodies, at least one of convex parts: selects the pairs of parts to test. Four of five pairs
+/// of parts of two stones of ten parts are separated along the direction from stone to stone, which takes one support
+/// per part; a search would take 0.4 us per pair.
 #pragma once
 #include <vector>
 
@@ -34,7 +34,7 @@ struct NearPart {
   std::size_t number;
   Pose pose;
   double radius;  ///< of its bounding sphere [m]
-  double end;     ///< how far it comes from A's centre towards the other body [m]
+  double end;     ///< extent from A's centre towards the other body [m]
 };
 
 /// The parts of a body as a list; a body without parts is one part of itself.
@@ -48,8 +48,8 @@ class PartList {
     else
       return (whole_);
   }
-  /// Those whose bounding spheres come within `limit` [m] of the other body's centre. origin: A's centre; towards:
-  /// unit, to the other body.
+  /// Finds the parts whose bounding spheres come within `limit` [m] of the other body's centre. origin: A's centre;
+  /// towards: unit vector to the other body.
   void find_near(const Pose& pose, const Vec3& origin, const Vec3& towards, const Vec3& far, double limit,
                  std::vector<NearPart>& out) const {
     out.clear();
@@ -81,12 +81,12 @@ class PartList {
 
 }  // namespace part_pairs_detail
 
-/// Of a body without parts: its own type.
+/// Type of the parts of a shape; for a shape without parts, its own type.
 template <class W>
 using PartOf = typename part_pairs_detail::PartType<W>::type;
 
-/// f(part of A, part of B, query) for the parts that no bounding sphere and no direction between the bodies keeps
-/// apart.
+/// Calls f(part of A, part of B, query) for the parts that neither bounding spheres nor the direction between the
+/// bodies separate.
 template <class A, class B, class F>
 void each_part_pair(const A& a, const B& b, const PairQuery& q, ContactSink& sink, const F& f) {
   using namespace part_pairs_detail;

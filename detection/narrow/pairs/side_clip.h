@@ -7,7 +7,7 @@
 
 namespace epafi {
 
-/// Of the size: corners closer to an edge than this are on it (as in the manifold).
+/// Relative to the size: corners closer to an edge than this are on it (as in the manifold).
 inline constexpr double side_snap = 1e-6;
 
 /// A point of the side and its name: a corner, or an edge of the side cut by an edge of the polygon.

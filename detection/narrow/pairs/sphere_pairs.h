@@ -1,7 +1,7 @@
 /// @file sphere_pairs.h  Closed forms for spheres: exact gap, normal and R*.
-/// The contact point divides the line of centres like the radii; on a flat wall it is the sphere's own pole. Taken in
-/// the middle of the overlap it shortens the arm by half of it, which alone costs 0.11 % of the spin in case A08 (gate
-/// 0.1 %).
+/// The contact point divides the line of centres in the ratio of the radii; on a flat wall it is on the sphere's
+/// surface. A point in the middle of the overlap would shorten the arm by half the overlap: an error of 0.11 % of the
+/// spin in case A08 (tolerance 0.1 %).
 #pragma once
 #include <cmath>
 
@@ -13,7 +13,7 @@
 
 namespace epafi {
 
-/// Concentric spheres have no direction of their own: they part along z.
+/// The normal of concentric spheres is arbitrary: z.
 inline void collide_closed(const Sphere& a, const Sphere& b, const PairQuery& q, ContactSink& sink) {
   const Vec3 d = q.b.position - q.a.position;
   const double reach = a.radius + b.radius + q.reach, square = d.squaredNorm();

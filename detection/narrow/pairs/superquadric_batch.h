@@ -18,7 +18,7 @@ class SuperquadricBatch {
     pairs_.push_back({&a, &b, difference.rotation, difference.offset, quick_limit(rounded_pair(a, b), q)});
     asked_.push_back({k, q});
   }
-  /// Adds the contacts of those asked for since the last time; open(k) begins the pair in the sink.
+  /// Adds the contacts of the pairs since the last call; open(k) begins pair k in the sink.
   template <class Open>
   void answer(const Open& open, ContactSink& sink) {
     answers_.resize(pairs_.size());

@@ -1,6 +1,6 @@
 // AxisSearch::keep and recall_axis: the few features that can hold the best axis while the bodies move little.
-// For a fixed direction in A's axes the separation changes by no more than B's points move against A, and the same with
-// the bodies exchanged: |R' - R| r + |o' - o|. What stays below the threshold by that much needs no look.
+// For a fixed direction in A's axes the separation changes by at most the motion of B's points relative to A, and
+// likewise with exchanged bodies: |R' - R| r + |o' - o|. Features below the threshold by that much need no test.
 #include <cmath>
 
 #include "detection/narrow/polyhedra/axis_search.h"
@@ -29,7 +29,7 @@ bool arc_exceeds(const Vec3& l, const Vec3& on_l, const Vec3& r, const Vec3& on_
 constexpr std::uint32_t largest_index = 0xffffu;
 constexpr std::size_t most_edges = 16;  // of each body; more: the pair is too even for a short list
 
-/// The vertex stays the deepest along d while the body turns by up to `turn`: against every neighbour, so against all.
+/// True if the vertex remains the deepest along d for rotations up to `turn`: against every neighbour, so against all.
 bool stays_deepest(const PolyhedronView& p, const Vec3& d, std::uint32_t v, double turn) {
   for (std::uint32_t k = p.neighbour_begin[v]; k < p.neighbour_begin[v + 1]; ++k) {
     const Vec3 away = p.vertices[v] - p.vertices[p.neighbours[k]];

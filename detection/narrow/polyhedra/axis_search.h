@@ -22,7 +22,7 @@ struct FaceArrays {
   operator FaceHeights() const { return {point.data(), centre.data(), deepest.data()}; }
 };
 
-/// What is known of one polyhedron's features against the other, in its own axes.
+/// Distances of one polyhedron's features to the other, as far as computed, in its own axes.
 struct AxisSide {
   static constexpr std::uint32_t unknown = FaceHeights::unknown;
   const PolyhedronView& own;
@@ -31,7 +31,7 @@ struct AxisSide {
   FaceArrays& face;
   bool knows_centre = false;
 
-  /// Takes the heights of x, a point of the other body; the largest of them.
+  /// Computes the heights of x, a point of the other body; returns the largest.
   double look_at(const Vec3& x) { return face.point[hull_kernels().heights(own.face_lanes, x, face.point.data())]; }
   void look_at_centre();
   /// The face with the largest sphere bound.
@@ -49,13 +49,13 @@ struct AxisSide {
 class AxisSearch {
  public:
   explicit AxisSearch(const PolyhedronPair& pair);
-  /// Takes the separation along the features of an axis found earlier as something to exceed.
+  /// Starts from the separation along the features of an earlier axis.
   void start_from(const SeparatingAxis& axis);
   /// The same with the face of each body that has the largest sphere bound.
   void start_promising();
   /// The best of the starts.
   const SeparatingAxis& best() const { return tried_.best(); }
-  /// The best axis. `floor`: a separation known by other means; where nothing exceeds it, the kind is none.
+  /// The best axis. floor: a known separation; if none exceeds it, the kind is none.
   SeparatingAxis run(double floor = -infinity);
   /// The features that separate by more than the best start less `range` [m], for later poses. Only below 0, and where
   /// they are few: otherwise `out` stays unknown.
@@ -79,7 +79,7 @@ class AxisSearch {
   double floor_ = -infinity;
 };
 
-/// The best axis where the features of a reference certainly hold it: the bits that a search would give. False where
+/// The best axis among the features of a reference if these certainly contain it, with the bits of a search. False if
 /// the bodies have moved too far since.
 bool recall_axis(const PolyhedronPair& pair, const AxisReference& reference, SeparatingAxis& out);
 
@@ -90,7 +90,7 @@ void edge_points(const PolyhedronPair& pair, std::uint32_t edge_a, std::uint32_t
 /// The largest of the 15 separations of two boxes (Gottschalk, Lin and Manocha 1996).
 struct BoxAxis {
   SeparatingAxis axis;  ///< a start for the search
-  bool alone = false;   ///< no other axis comes near it: what the search would find
+  bool alone = false;   ///< no other axis is close: the result of the search
 };
 /// Both must have `box`.
 BoxAxis box_axis(const PolyhedronPair& pair);

@@ -196,7 +196,7 @@ void ClippedSolid::assign_tetrahedron(const std::array<Vec3, 4>& x) {
   take_next();
 }
 
-/// No branch on the side of a point, which nothing predicts: what is not kept is overwritten by the next one.
+/// Without a branch on the unpredictable side of a point: points not kept are overwritten by the next one.
 void ClippedSolid::keep_inside() {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count_; ++i) {

@@ -31,7 +31,7 @@ class PlaneColumns {
   std::vector<double> x_, y_, z_, offset_;
 };
 
-/// A sum of cones over one origin, which had better be in or near the solid: far from it digits cancel.
+/// A sum of cones over one origin, which should be in or near the solid to avoid cancellation.
 struct Volume {
   Vec3 origin = Vec3::Zero();  ///< [m]
   double volume = 0.0;         ///< [m^3]
@@ -61,7 +61,7 @@ class ClippedSolid {
   bool clip(const Plane& plane);
   /// The least and the largest height of its points above each plane [m].
   void ranges(const PlaneColumns& planes, std::vector<double>& low, std::vector<double>& high) const;
-  /// Some must be left.
+  /// The solid must not be empty.
   Volume volume() const;
   std::size_t points() const { return count_; }
   std::size_t faces() const { return faces_; }
@@ -91,7 +91,7 @@ class ClippedSolid {
   std::vector<double> above_;  ///< of the plane now cut by, by point
   std::vector<std::uint32_t>
       new_name_;  ///< of kept points, the largest number for the others; while a body is taken, of its vertices
-  std::uint32_t kept_ = 0;                ///< how many are kept: the names of cuts begin there
+  std::uint32_t kept_ = 0;                ///< number of kept vertices: keys of cuts begin there
   std::vector<std::uint64_t> crossings_;  ///< inside and outside point of each cut
   std::vector<std::uint32_t> cap_next_;   ///< by cut: the cut that follows it around the plane
 };

@@ -1,5 +1,5 @@
-/// @file corner_cone.h  The cone that a polyhedron is near one of its vertices, split into the parts where one face is
-/// the nearest. It does not change with the pose: a plane that cuts the corner off cuts every part into tetrahedra.
+/// @file corner_cone.h  The cone of a polyhedron at one of its vertices, split into parts with one nearest face each.
+/// It does not depend on the pose; a plane that cuts the corner off cuts every part into tetrahedra.
 ///
 /// Depths below the faces are linear, so the parts meet in rays from the vertex: the edges, and inside a ray for every
 /// triple of faces that is as deep below all three and below no other face less. These triples triangulate the polygon

@@ -65,7 +65,7 @@ void AxisCandidates::try_edges(const ArcEdge& own, const ArcEdge& other, double 
   const double along = n.dot(pair_.vertex_b(from_b) - pair_.a.vertices[from_a]);
   if (along < edge_threshold(floor)) return;
   // Where arcs only just cross, rounding may have chosen edges that do not support: the bodies themselves decide.
-  // Climbing begins at the edges: where they do support, that is one look around.
+  // Climbing starts at the edges; if they do support, one step confirms it.
   const std::uint32_t top = ConvexHull::climb(pair_.a, n, from_a);
   const std::uint32_t low = ConvexHull::climb(pair_.b, -(pair_.rotation.transpose() * n), from_b);
   const double gap = std::min(along, n.dot(pair_.vertex_b(low) - pair_.a.vertices[top]));

@@ -32,14 +32,14 @@ class AxisCandidates {
   /// v: the vertex of the other body deepest below the face.
   double try_face_a(std::uint32_t f, std::uint32_t v);
   double try_face_b(std::uint32_t f, std::uint32_t v);
-  /// Nothing is taken below the floor.
+  /// Tests a pair of edges; gaps below the floor are ignored.
   void try_edges(const ArcEdge& own, const ArcEdge& other, double floor = -infinity);
 
   const SeparatingAxis& best() const { return edge_.gap > face_.gap + margin_ ? edge_ : face_; }
   const SeparatingAxis& face() const { return face_; }
   const SeparatingAxis& edge() const { return edge_; }
   double margin() const { return margin_; }  ///< rounding of separations and bounds [m]
-  /// What an edge pair must exceed.
+  /// Gap that an edge pair must exceed [m].
   double edge_threshold(double floor) const { return std::max(floor, std::max(face_.gap, edge_.gap - 2.0 * margin_)); }
 
  private:

@@ -54,14 +54,14 @@ void project_face(const PolyhedronView& p, std::uint32_t face, const Vec3& tange
   out.clear();
   out.make_room(end - begin);
   for (std::uint32_t k = begin; k < end; ++k) {
-    // A face that looks against the normal runs clockwise in the plane: take it backwards.
+    // A face opposed to the normal runs clockwise in the plane: reverse it.
     const Vec3& v = p.vertices[p.face_vertices[reversed ? begin + end - 1 - k : k]];
     out.add({tangent1.dot(v) + at.x(), tangent2.dot(v) + at.y(), k - begin, false, 0, 0});
   }
 }
 
-/// What is left of B's face inside all edges of A's, both counter-clockwise (Sutherland, Hodgman 1974). Edges that cut
-/// nothing are most: they copy nothing.
+/// Clips B's face by all edges of A's, both counter-clockwise (Sutherland, Hodgman 1974). Most edges cut nothing and
+/// copy nothing.
 const Corners& clip(Buffers& buf, double tolerance) {
   const Corners* left = &buf.b;
   const auto n = static_cast<std::uint32_t>(buf.a.size());
@@ -186,8 +186,8 @@ bool looks_along(const PolyhedronView& p, std::uint32_t vertex, const Vec3& dire
   return false;
 }
 
-/// Where a face of one body says the normal, the corners of the other that lie over it and are not of the clipped face:
-/// that alone would let go of one that is deep when another face comes to look along the normal.
+/// If a face of one body gives the normal: corners of the other over it that are not on the clipped face. Otherwise a
+/// deep corner would be lost when the clipped face changes.
 void add_other_corners(const PolyhedronPair& pair, const SeparatingAxis& axis, const FacingFaces& f, double reach,
                        double sweep_a, double sweep_b, double tolerance, Buffers& buf) {
   if (axis.kind != SeparatingAxis::Kind::face_a && axis.kind != SeparatingAxis::Kind::face_b) return;
@@ -218,8 +218,8 @@ bool are_corners_of_one(std::span<const PatchPoint> points) {
   return kind != FeatureKind::edges && std::ranges::all_of(points, is_alike);
 }
 
-/// Lowers all points alike until the deepest is at `gap`: were it the deepest alone, the moment would jump where with a
-/// small tilt another one is the deepest.
+/// Lowers all points equally until the deepest is at `gap`. If only the deepest were lowered, the moment would jump
+/// when a small tilt makes another one the deepest.
 void lower_to(double gap, Patch& out) {
   double least = infinity;
   for (int k = 0; k < out.count; ++k) least = std::min(least, out.point[static_cast<std::size_t>(k)].gap);
@@ -270,8 +270,8 @@ void keep_corners(std::span<const PatchPoint> points, const Vec3& normal, double
 void keep_with_nearest(std::vector<PatchPoint>& points, const NearestPoint& nearest, double size, Patch& out) {
   double least = infinity;
   for (const PatchPoint& p : points) least = std::min(least, p.gap);
-  // A tilt that still loads four corners leaves the rim between two of them less than a tenth deeper: 1 - cos 22.5 deg
-  // of the half-width. Were that rim point taken in, what leans a little would go to and fro between both patches.
+  // At a tilt that still loads four corners the rim between two of them is less than a tenth deeper: 1 - cos 22.5 deg
+  // of the half-width. With that rim point, a slightly tilted body would alternate between both patches.
   const bool on_corner = least <= nearest.gap + std::max(equal_gap * size, -0.1 * nearest.gap);
   if (!on_corner) points.push_back({nearest.position, nearest.gap, make_feature(FeatureKind::single, 0, 0)});
   keep_four(points, nearest.normal, size, out);

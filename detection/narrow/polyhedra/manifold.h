@@ -1,10 +1,10 @@
-/// @file manifold.h  Contact points of two polyhedra: the facing faces, projected along the common normal and clipped
-/// against each other; at most 4 points, the deepest always among them. Where only overlapping points are wanted
-/// (reach 0: springs), all corners of one body that lie in a face of the other, up to Patch::most: were they exchanged
-/// for others at a depth, their springs would have no potential (prisms that land flat lost 0.1 of their energy).
-/// Every point carries its own gap along the common normal and lies midway between the surfaces. Its feature names a
-/// vertex of A, a vertex of B or a crossing of two edges: names do not depend on which body is taken as reference, so
-/// they stay while the contact does. Vertices closer than 1e-6 of the size to each other or to an edge count as on it.
+/// @file manifold.h  Contact manifold of two polyhedra: the facing faces, projected along the common normal and clipped
+/// against each other; at most 4 points, including the deepest. With reach 0 (smooth laws without adhesion) all corners
+/// of one body inside a face of the other are kept, up to Patch::most: replacing points at a finite depth would leave
+/// their springs without a potential (prisms that land flat would lose 0.1 of their energy). Every point has its own
+/// gap along the common normal and lies midway between the surfaces. Its feature names a vertex of A, a vertex of B or
+/// a crossing of two edges. Names do not depend on which body is the reference, so they persist with the contact.
+/// Vertices closer than 1e-6 of the size to each other or to an edge count as on it.
 #pragma once
 #include <array>
 #include <vector>
@@ -24,11 +24,11 @@ struct Patch {
   static constexpr std::size_t most = 16;
   std::array<PatchPoint, most> point;
   int count = 0;
-  bool alone = false;                    ///< the pair's nearest (deepest) point alone
-  std::uint32_t face_a = 0, face_b = 0;  ///< of two polyhedra: the faces that look at each other
+  bool alone = false;                    ///< contains only the nearest (deepest) point
+  std::uint32_t face_a = 0, face_b = 0;  ///< of two polyhedra: the facing faces
 };
 
-/// Cosine to the normal below which a face is too steep to carry a point.
+/// Cosine to the normal below which a face is too steep for a contact point.
 constexpr double facing_cosine = 0.05;
 
 /// Kinds of features; together with two indices of 22 bits below the image code's byte.
@@ -43,8 +43,8 @@ constexpr FeatureKind feature_kind(Feature f) { return static_cast<FeatureKind>(
 constexpr std::uint32_t feature_vertex_a(Feature f) { return static_cast<std::uint32_t>(f >> 22) & 0x3fffffu; }
 constexpr std::uint32_t feature_vertex_b(Feature f) { return static_cast<std::uint32_t>(f) & 0x3fffffu; }
 
-/// Points with gap < reach; sweeps: sphere radii swept over A and B [m], already inside `reach` and the gaps given
-/// back. Where the faces do not look at each other (a tip, two crossed edges) it is the one closest (deepest) point.
+/// Points with gap < reach. sweep_a, sweep_b: sphere radii swept over A and B [m], already contained in `reach` and in
+/// the returned gaps. Without facing faces (a tip, two crossed edges): the nearest (deepest) point alone.
 Patch contact_patch(const PolyhedronPair& pair, const PolyhedronDistance& distance, double reach, double sweep_a,
                     double sweep_b);
 
@@ -55,16 +55,15 @@ struct NearestPoint {
   double gap;     ///< sweeps taken off [m]
 };
 
-/// Keeps all if they are the overlapping corners of one body and springs act there (see above), else 4.
+/// Keeps all points if they are overlapping corners of one body under a smooth law (see above), else 4.
 void keep_corners(std::span<const PatchPoint> points, const Vec3& normal, double size, bool springs, Patch& out);
 
-/// Keeps 4 of the points: the deepest, the farthest from it, the two that span the largest area with them on either
-/// side. Of points that are equal to within rounding the one with the lowest feature is taken, so that a body that
-/// trembles by 1e-8 of its size keeps its points. The deepest of those kept carries the least gap of all. size: of the
-/// smaller body [m].
+/// Keeps 4 of the points: the deepest, the farthest from it, and the two that span the largest area on either side. Of
+/// points that are equal within rounding, the one with the lowest feature is kept, so that vibrations of 1e-8 of the
+/// size do not change the selection. The deepest of them gets the least gap of all. size: of the smaller body [m].
 void keep_four(std::span<const PatchPoint> points, const Vec3& normal, double size, Patch& out);
 
-/// The same for corners of flat sides, with the nearest point itself where no corner is as deep.
+/// The same for corners of flat sides, plus the nearest point if no corner is as deep.
 void keep_with_nearest(std::vector<PatchPoint>& points, const NearestPoint& nearest, double size, Patch& out);
 
 }  // namespace epafi

@@ -1,7 +1,8 @@
 /// @file nearest_features.h  The closest points of two separated polyhedra from the features they lie on.
 /// Local optimality is global for the distance of convex bodies: points on two features are the closest where their
-/// difference lies in the normal cones of both (Lin and Canny 1991). Here both conditions must hold with room to spare,
-/// so that exactly one pair of features can pass: whoever proposes it, the answer is the same bits.
+/// difference lies in the normal cones of both (Lin and Canny 1991). Here both conditions must hold by more than
+/// rounding, so that exactly one pair of features can pass: the bits of the result do not depend on where the
+/// candidates come from.
 #pragma once
 #include "detection/narrow/polyhedra/pair_memory.h"
 #include "detection/narrow/polyhedra/polyhedra.h"

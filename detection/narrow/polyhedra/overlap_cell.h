@@ -4,7 +4,7 @@
 
 namespace epafi {
 
-/// Where one face of one body is the nearest.
+/// Part of the overlap where one face is the nearest of all.
 struct OverlapCell {
   bool of_a;
   std::uint32_t face;

@@ -168,8 +168,8 @@ void find_bounds(const Layer& layer, double slack, std::vector<std::uint32_t>& o
     if (layer.high[k] > -slack) out.push_back(layer.faces[k]);
 }
 
-/// Any overlap: cut out of the bodies, then into cells. An overlap that has a form ends as that, although the axis did
-/// not tell: what a pair remembers must not be seen in the bits.
+/// Any overlap: cut from the bodies, then into cells. An overlap with a closed form uses it even if the axis did not
+/// show it, so that the bits do not depend on memory.
 OverlapForm cut_cells(const PolyhedronPair& pair, const SeparatingAxis& axis, Scratch& s) {
   s.cells.clear();
   if (!intersect(pair, axis, s.overlap)) return {};

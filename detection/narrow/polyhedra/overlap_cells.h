@@ -12,7 +12,7 @@
 
 namespace epafi {
 
-/// How cells become contacts.
+/// Data by which cells become contacts.
 struct CellPlacing {
   double radius;  ///< effective [m]
   Mat3 to_world;  ///< turns A's axes into the world's

@@ -9,8 +9,8 @@ namespace epafi {
 namespace {
 
 constexpr std::size_t most_faces = NearFaces::most;
-// Of twice the bound. A set is right where all its faces are within the first and all others beyond the last, so that
-// rounding cannot make two sets right; between them it is looked for at the middle.
+// Over twice the bound. A set is accepted if all its faces are within the first value and all others beyond the last,
+// so that rounding cannot make two sets acceptable; searches use the middle.
 constexpr double within = 1.9, middle = 1.95, beyond = 2.0;
 
 /// A convex polygon of a fixed room. Each cut adds one corner at most, and a facet is cut by the planes of both bodies.

@@ -1,7 +1,7 @@
-/// @file overlap_faces.h  The overlap between a few faces of both bodies that are known: its own faces are those of the
-/// bodies, cut by the other body's planes, and its cells cones over parts of them. Nothing is searched for.
-/// The cones of a field stand on a point that all its planes have in common, of an edge or a vertex: what is between
-/// two cells and on the body's own faces then adds nothing, and the point may lie outside the overlap.
+/// @file overlap_faces.h  The overlap of two polyhedra between a few known faces, without a search: its faces are those
+/// of the bodies, cut by the other body's planes, and its cells are cones over parts of them. The apex of a field's
+/// cones is a point that all its planes share, on an edge or a vertex, so faces between cells and the body's own faces
+/// contribute nothing; the apex may lie outside the overlap.
 #pragma once
 #include <span>
 #include <vector>

@@ -1,8 +1,7 @@
-/// @file overlap_forms.h  Overlaps that are written down: between two edges a tetrahedron, of a corner in a face a
-/// pyramid. A form is taken only where all other faces stay deeper than twice what the overlap reaches: it is then
-/// bounded by the faces of the form alone, and none but these is the nearest to a point of it. So an overlap has one
-/// form at most. In a settled pile of stones, 4e-6 m deep in each other and 0.1 m across, 1570 of 2030 overlaps have
-/// one, 1010 of them edges.
+/// @file overlap_forms.h  Overlaps in closed form: a tetrahedron between two edges, a pyramid of a corner in a face. A
+/// form applies only if all other faces are deeper than twice the extent of the overlap: its faces then bound the
+/// overlap, and only they can be the nearest to a point of it. So an overlap has at most one form. In a settled pile of
+/// stones, 4e-6 m deep in each other and 0.1 m across, 1570 of 2030 overlaps have one, 1010 of them edges.
 #pragma once
 #include <vector>
 

@@ -1,7 +1,7 @@
 /// @file overlap_solid.h  The overlap of two polyhedra as a solid, and the faces of both that matter for it.
-/// Along an axis n from A to B let it be d thick. No point of it then lies deeper than d below either surface, and the
-/// nearest point of A's surface is at most 2 d below A's farthest along n: the face there has a vertex as high. So the
-/// faces around the vertices within 2 d say all, eight to ten of 30 where stones of a settled pile meet.
+/// Let d be its thickness along an axis n from A to B. No point of it is deeper than d below either surface, and the
+/// nearest point of A's surface is at most 2 d below A's farthest along n, so its face has a vertex that high.
+/// Therefore the faces around the vertices within 2 d suffice: eight to ten of 30 for stones of a settled pile.
 #pragma once
 #include <vector>
 

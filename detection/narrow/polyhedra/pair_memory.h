@@ -1,6 +1,6 @@
-/// @file pair_memory.h  What a pair of polyhedra remembers from one query to the next.
-/// A shortcut only: it names features, and an answer is taken from them only where they are certified to be those that
-/// a search from nothing would find, by more than rounding. Answers are the same bits without it, so it is not state.
+/// @file pair_memory.h  Memory of a pair of polyhedra from query to query. It names features, which are used only if
+/// they are certified, by more than rounding, to be those of a search without memory. Results have the same bits
+/// without it, so it is not state.
 #pragma once
 #include <array>
 
@@ -35,14 +35,14 @@ struct AxisReference {
   Vec3 offset, offset_b;   ///< B's centre from A's, in A's and in B's axes [m]
 };
 
-/// Faces of A and of B that an overlap is between, sorted.
+/// Faces of A and of B that bound an overlap, sorted.
 struct NearFaces {
   static constexpr std::size_t most = 8;  ///< of each body; more: the overlap is cut out of the bodies
   std::uint8_t count_a = 0, count_b = 0;
   std::array<std::uint16_t, most> a, b;
 };
 
-/// What an overlap is between, where that says all (overlap_forms.h, overlap_faces.h).
+/// Features that determine an overlap (overlap_forms.h, overlap_faces.h).
 struct OverlapForm {
   enum class Kind : std::uint8_t { none, edges, face_vertex, vertex_face, faces };
   Kind kind = Kind::none;      ///< of A, then of B
@@ -54,7 +54,7 @@ struct PairMemory {
   NearestFeatures nearest;                        ///< of the last time they were apart
   OverlapForm form;                               ///< of the last overlap
   std::uint8_t kind = 0;                          ///< of the last axis (SeparatingAxis::Kind), 0: none
-  std::uint8_t uses = 0, wait = 0, patience = 0;  ///< of `reference`: a pair that moves fast does without one
+  std::uint8_t uses = 0, wait = 0, patience = 0;  ///< of `reference`: fast pairs have none
   bool tried = false;                             ///< a reference was asked for
   Vec3 normal = Vec3::Zero();                     ///< of the last search, A's axes
   std::uint32_t feature_a = 0, feature_b = 0;     ///< of the last axis

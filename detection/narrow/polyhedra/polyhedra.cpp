@@ -103,7 +103,7 @@ PolyhedronDistance at_axis(const PolyhedronPair& pair, const SeparatingAxis& axi
   return d;
 }
 
-/// Overlapping by more than rounding is certain whoever finds it.
+/// Overlap by more than rounding is certain, by any method.
 double certain_overlap(const PolyhedronPair& pair) { return -1e-14 * (pair.a.radius + pair.b.radius); }
 
 NearestFeatures features_at(const SeparatingAxis& axis) {
@@ -134,8 +134,7 @@ bool recall(const PolyhedronPair& pair, double limit, PairMemory& memory, Polyhe
   return found;
 }
 
-/// GJK from the last direction. Only features that certify are taken: on the others the way there would leave its
-/// trace.
+/// GJK from the last direction. Only certified features are used, since other results depend on the start.
 bool follow(const PolyhedronPair& pair, double limit, PairMemory& memory, PolyhedronDistance& out) {
   if (memory.nearest.kind == NearestFeatures::Kind::none) return false;
   const GjkResult g = gjk_detail::run(PolyhedraDifference{pair, pair.offset}, {infinity, 1e-15, memory.normal});
@@ -147,8 +146,8 @@ bool follow(const PolyhedronPair& pair, double limit, PairMemory& memory, Polyhe
   return true;
 }
 
-/// Making a reference costs about as much as a search; a pair that moves too fast to use it, or is too even to have
-/// one, waits twice as long each time.
+/// A reference costs about as much as a search; for a pair that moves too fast to use it, or has too many equal
+/// features, the wait is doubled each time.
 void make_reference(const PolyhedronPair& pair, const SeparatingAxis& axis, PairMemory& memory) {
   if (memory.wait > 0) {
     --memory.wait;
@@ -215,13 +214,12 @@ PolyhedronDistance distance_by_gjk(const PolyhedronPair& pair, double limit, con
   return d;
 }
 
-/// The search from nothing. start: an axis of an earlier pose, which the answer does not depend on. nearest: the
+/// The search without memory. start: an axis of an earlier pose, which does not affect the result. nearest: the
 /// features of the closest points, where they are certified.
 PolyhedronDistance search_distance(const PolyhedronPair& pair, double limit, const SeparatingAxis& start,
                                    NearestFeatures& nearest) {
   const double certain = certain_overlap(pair);
-  // Overlapping: the search over features has the last word, whatever it began with. Everything else is decided below,
-  // from the beginning.
+  // Overlapping: the search over features decides, for every start. Everything else is decided below, without memory.
   SeparatingAxis found;
   bool searched = start.kind != AxisKind::none && start.kind != AxisKind::points;
   if (searched) {
@@ -242,8 +240,8 @@ PolyhedronDistance search_distance(const PolyhedronPair& pair, double limit, con
     return at_axis(pair, first, limit);
   }
 
-  // A pair that was apart asks GJK first, any other the features. Both orders end alike: GJK certifies a distance
-  // exactly where no search finds an overlap.
+  // Pairs that were separated try GJK first, others the features. Both orders give the same: GJK certifies a distance
+  // exactly if no search finds an overlap.
   if (!searched && first.gap < 0.0 && start.kind != AxisKind::points) {
     found = search.run();
     searched = true;

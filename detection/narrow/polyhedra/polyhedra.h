@@ -9,7 +9,7 @@
 
 namespace epafi {
 
-/// As GJK and EPA take it; the view must live as long.
+/// A polyhedron as argument of GJK and EPA; the view must outlive it.
 inline ConvexRef core_of(const PolyhedronView& view) {
   const auto support = [](const void* p, const Vec3& d) {
     const auto& v = *static_cast<const PolyhedronView*>(p);
@@ -18,7 +18,7 @@ inline ConvexRef core_of(const PolyhedronView& view) {
   return {&view, support, view.radius};
 }
 
-/// B is placed in A's axes: the world's origin plays no part.
+/// B is placed in A's axes, so results do not depend on the distance from the origin.
 struct PolyhedronPair {
   PolyhedronView a, b;
   Mat3 rotation;  ///< B's axes to A's axes
@@ -44,8 +44,7 @@ struct SeparatingAxis {
   std::uint32_t feature_b = 0;  ///< face of B, edge of B (kind edges), deepest vertex of B (kind face_a)
 };
 
-/// Largest separation over faces and edge pairs. `start`: an axis found earlier; it makes the search quicker and does
-/// not change a bit of the answer.
+/// Largest separation over faces and edge pairs. start: an earlier axis; makes the search faster, with the same bits.
 SeparatingAxis separating_axis(const PolyhedronPair& pair, const SeparatingAxis& start = {});
 
 /// Signed distance of two polyhedra with closest (deepest) points.
@@ -60,7 +59,7 @@ struct PolyhedronDistance {
 /// otherwise.
 PolyhedronDistance axis_distance(const PolyhedronPair& pair);
 
-/// limit: distances above it are not wanted [m]. memory: of this pair, from earlier poses; the answer is the same bits
+/// limit: larger distances need not be computed [m]. memory: of this pair, from earlier poses; bits are the same
 /// without it.
 PolyhedronDistance polyhedron_distance(const PolyhedronPair& pair, double limit = infinity,
                                        PairMemory* memory = nullptr);

@@ -127,27 +127,15 @@ SolverReport Penalty::solve(const ConeProblem& problem, Impulses& r) {
 }
 
 SolverEntry lagrange_entry() {
-  Entry entry{"lagrange",
-              "Lagrange multipliers: the KKT system of the closed contacts, with an active set",
-              solver_fields(),
-              {.slip_velocity = true, .memory = true},
-              "Wriggers 2006"};
-  return {std::move(entry), [](const Parameters& p) -> std::unique_ptr<ContactSolver> {
-            return std::make_unique<ActiveSet>(static_cast<int>(p.number_or("iterations", 50)),
-                                               p.number_or("tolerance", 1e-6));
-          }};
+  return solver_entry<ActiveSet>("lagrange",
+                                 "Lagrange multipliers: the KKT system of the closed contacts, with an active set",
+                                 "Wriggers 2006", 50);
 }
 
 SolverEntry penalty_entry() {
-  Entry entry{"penalty",
-              "implicit penalty: contacts are springs and dampers of finite stiffness, relaxed on purpose",
-              solver_fields({{"stiffness", "rho", "", Kind::number, 1e4, positive, "relative to 1 / W_ii"}}),
-              {.slip_velocity = true, .memory = true},
-              "Wriggers 2006"};
-  return {std::move(entry), [](const Parameters& p) -> std::unique_ptr<ContactSolver> {
-            return std::make_unique<Penalty>(static_cast<int>(p.number_or("iterations", 50)),
-                                             p.number_or("tolerance", 1e-6), p.number_or("stiffness", 1e4));
-          }};
+  return solver_entry<Penalty>("penalty", "implicit penalty: contacts are springs and dashpots of finite stiffness",
+                               "Wriggers 2006", 50,
+                               Field{"stiffness", "rho", "", Kind::number, 1e4, positive, "relative to 1 / W_ii"});
 }
 
 }  // namespace epafi

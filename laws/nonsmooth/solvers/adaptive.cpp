@@ -8,7 +8,7 @@ namespace epafi {
 
 namespace {
 constexpr double lane_work = 20.0;    // multiplications of a contact in a sweep of four at a time, by its time
-constexpr double over_sweeps = 1.5;   // of the work of all sweeps: what a step may cost on average
+constexpr double over_sweeps = 1.5;   // of the work of all sweeps: average cost of a step
 constexpr double first_steps = 20.0;  // whose credit is there at the start
 constexpr double first_credit = 2e7;  // beside it: 10 ms
 constexpr double unspent = 0.5;       // of it: failed attempts cost little and are made again in the next step
@@ -55,7 +55,7 @@ SolverReport Adaptive::choose(const ContactProblem& problem, Impulses& r) {
     swept.iterations += direct.iterations;
     next_pause_ = std::min(2 * next_pause_ + 1, longest_pause);
     if (direct.converged || credit_ > unspent * first_credit) next_pause_ = 0;
-    if (direct_.left_some()) next_pause_ = longest_pause;  // what costs too much will for a while
+    if (direct_.left_some()) next_pause_ = longest_pause;  // islands that are too expensive remain so for a while
     pause_ = next_pause_;
     if (direct.converged) {
       r.swap(start_);
@@ -85,11 +85,8 @@ void Adaptive::visit(StateVisitor& visitor) {
 }
 
 SolverEntry adaptive_entry() {
-  Entry entry{"adaptive",
-              "sweeps, then Newton steps on islands where a factorisation is cheap; the default",
-              solver_fields(),
-              {.slip_velocity = true, .memory = true},
-              ""};
+  Entry entry{"adaptive", "sweeps, then Newton steps on islands where a factorisation is cheap; the default",
+              solver_fields(), solver_needs, ""};
   return {std::move(entry), [](const Parameters& parameters) -> std::unique_ptr<ContactSolver> {
             return std::make_unique<Adaptive>(parameters);
           }};

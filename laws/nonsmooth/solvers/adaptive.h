@@ -1,8 +1,8 @@
-/// @file adaptive.h  The default: the sweeps of pgs, and Newton steps by island where these cost little beside them.
-/// Costs are counted in multiplications, no clock is read: the same problem takes the same path on every machine and
-/// thread count. The price of an island is that of one factorisation in its sweeps. Stacks, arches and robots are
-/// chains: price 5 to 10, always factored where sweeps end above the tolerance. Walls and small piles: factored while
-/// credit lasts. Large piles (200 hulls: price 100, 2000 spheres: 10^4): sweeps only, as pgs.
+/// @file adaptive.h  The default: sweeps of pgs, then Newton steps on islands where these are cheap. Costs are counted
+/// in multiplications, not by a clock, so that a problem takes the same path on every machine and thread count. The
+/// price of an island is the cost of a factorisation over that of a sweep. Stacks, arches and robots are chains: price
+/// 5 to 10, always factored where sweeps end above the tolerance. Walls and small piles: factored while credit lasts.
+/// Large piles (200 hulls: price 100, 2000 spheres: 10^4): sweeps only, as pgs.
 ///   credit  of a step 1.5 times the work of `sweeps`, at the start that of 20 steps and 2e7 multiplications (10 ms)
 /// An attempt ends when it has spent the credit, a chain's after 600 factorisations or their worth (auto.h), so that a
 /// run costs at most 1.5 times what pgs does, but for the start and for chains. Where Newton steps were right in the

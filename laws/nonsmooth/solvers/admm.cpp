@@ -78,15 +78,9 @@ SolverReport Admm::solve(const ConeProblem& problem, Impulses& r) {
 }
 
 SolverEntry admm_entry() {
-  Entry entry{"admm",
-              "alternating directions with the De Saxce shift, one sparse factorisation per change of rho",
-              solver_fields({}, 500),
-              {.slip_velocity = true, .memory = true},
-              "Carpentier, Le Lidec and Montaut 2024"};
-  return {std::move(entry), [](const Parameters& p) -> std::unique_ptr<ContactSolver> {
-            return std::make_unique<Admm>(static_cast<int>(p.number_or("iterations", 500)),
-                                          p.number_or("tolerance", 1e-6));
-          }};
+  return solver_entry<Admm>(
+      "admm", "alternating directions with the De Saxce shift, one sparse factorisation per change of rho",
+      "Carpentier, Le Lidec and Montaut 2024", 500);
 }
 
 }  // namespace epafi

@@ -75,11 +75,8 @@ SolverReport ProjectedGradient::solve(const ConeProblem& problem, Impulses& r) {
 
 namespace {
 SolverEntry entry_of(const char* name, const char* summary, const char* source, bool accelerated) {
-  Entry entry{name,
-              summary,
-              solver_fields({cone_field("relaxed", "without the De Saxce shift, convex")}, 500),
-              {.slip_velocity = true, .memory = true},
-              source};
+  Entry entry{name, summary, solver_fields({cone_field("relaxed", "without the De Saxce shift, convex")}, 500),
+              solver_needs, source};
   return {std::move(entry), [accelerated](const Parameters& p) -> std::unique_ptr<ContactSolver> {
             return std::make_unique<ProjectedGradient>(static_cast<int>(p.number_or("iterations", 500)),
                                                        p.number_or("tolerance", 1e-6), accelerated,

@@ -350,15 +350,8 @@ void Auto::visit(StateVisitor& visitor) {
 }
 
 SolverEntry auto_entry() {
-  Entry entry{"auto",
-              "by island: sweeps, then newton or proximal if sweeps contract too slowly",
-              solver_fields({}, 2000),
-              {.slip_velocity = true, .memory = true},
-              ""};
-  return {std::move(entry), [](const Parameters& parameters) -> std::unique_ptr<ContactSolver> {
-            return std::make_unique<Auto>(static_cast<int>(parameters.number_or("iterations", 2000)),
-                                          parameters.number_or("tolerance", 1e-6));
-          }};
+  return solver_entry<Auto>("auto", "by island: sweeps, then newton or proximal if sweeps contract too slowly", "",
+                            2000);
 }
 
 }  // namespace epafi

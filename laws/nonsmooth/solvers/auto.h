@@ -1,17 +1,15 @@
-/// @file auto.h  No more than the scene needs, island by island: sweeps first; their measured contraction decides
-/// whether to go on, to try the augmented Lagrangian (newton) or to go to the proximal Newton method. No clock is read:
-/// costs are counted in multiplications, so that the same problem takes the same path on every machine and thread
-/// count.
+/// @file auto.h  Chooses a method for each island: sweeps first; their measured contraction decides whether to
+/// continue, to try the augmented Lagrangian (newton) or the proximal Newton method. Costs are counted in
+/// multiplications, not by a clock, so that a problem takes the same path on every machine and thread count.
 ///   0. newton, where it had the last word in the last step, and for a try where sweeps have cost what it might save:
 ///      at rest one factorisation, and then none (calm);
 ///   1. sweeps in growing batches, while the contraction of the last batch promises the tolerance for less work than
 ///      Newton steps would take, and never for more work than those;
 ///   2. newton from the first guess, given up when it is behind the sweeps after a few factorisations;
 ///   3. proximal from the better of both.
-/// Where 2 and 3 come no nearer than a tenth of the sweeps' residual four times in a row, islands as large are swept
-/// alone for 1, 3, 7 .. 31 solves: stones at a friction of 1.5 have problems that no method here solves, and took 40
-/// times as long as sweeps to come no nearer. `iterations` counts sweeps of stage 1 and factorisations of the others,
-/// per island.
+/// If 2 and 3 fail to reach a tenth of the sweeps' residual four times in a row, islands of that size have only sweeps
+/// for 1, 3, 7 .. 31 solves: no method here solves the problems of stones with friction 1.5, and the attempts take 40
+/// times as long as sweeps. `iterations` counts sweeps of stage 1 and factorisations of the others, per island.
 #pragma once
 #include <memory>
 
@@ -31,17 +29,17 @@ class Auto final : public ConeSolver {
   void forget() override;
   void visit(StateVisitor& visitor) override;
 
-  /// From now on a solve takes at most about `credit` multiplications, but for chains (islands of low price), which
-  /// have some steps in any case. Islands whose factorisation costs much are left as they start: by price always, above
-  /// that of chains where Newton steps would take more than the credit. Infinite: no limits.
+  /// Limits each solve to about `credit` multiplications, except for chains (islands with a cheap factorisation), which
+  /// always have some Newton steps. Islands with an expensive factorisation keep their start: above a largest price
+  /// always, below it if Newton steps would exceed the credit. Infinite: no limits.
   void limit_work(double credit) { credit_ = credit; }
-  /// Multiplications of the last solve, about.
+  /// Approximate number of multiplications of the last solve.
   double work() const;
-  /// Some island of the last solve was left.
+  /// True if some island of the last solve was left unsolved because of its cost.
   bool left_some() const;
 
  private:
-  /// What one island keeps from step to step.
+  /// Data of one island, kept from step to step.
   struct Part {
     Part(int iterations, double tolerance) : newton(iterations, tolerance), proximal(iterations, tolerance) {}
     ConeProblem problem;
@@ -51,15 +49,15 @@ class Auto final : public ConeSolver {
     Proximal proximal;
     std::vector<Vec6> v;
     std::vector<Vec3> u;
-    double price = 0.0;       ///< of a factorisation, in sweeps
+    double price = 0.0;       ///< cost of a factorisation over that of a sweep
     double sweep_cost = 0.0;  ///< multiplications of a sweep
     double work = 0.0;        ///< multiplications of this solve
     double budget = 0.0;      ///< multiplications that this solve may take
     bool left = false;        ///< not solved: too expensive
-    bool paused = false;      ///< swept alone: nothing else has helped such a one lately
+    bool paused = false;      ///< sweeps only, since stages 2 and 3 have failed lately
     bool helped = true;       ///< by stages 2 and 3
   };
-  /// Of newton's, where it had the last word: that it is to begin the next step, and its factor, which calms.
+  /// Kept from newton for the next step, if it solved the island: that it comes first, or also its factor (calm).
   enum class Kept : std::uint8_t { nothing, method, factor };
 
   void make_parts(std::size_t count);

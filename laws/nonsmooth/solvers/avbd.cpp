@@ -91,15 +91,9 @@ SolverReport BodyDescent::solve(const ConeProblem& problem, Impulses& r) {
 }
 
 SolverEntry avbd_entry() {
-  Entry entry{"avbd",
-              "augmented descent body by body, one 6 x 6 system each",
-              solver_fields({{"growth", "", "", Kind::number, 1.2, {1, 10}, "of the penalty per iteration"}}),
-              {.slip_velocity = true, .memory = true},
-              "Giles, Diaz and Yuksel 2025"};
-  return {std::move(entry), [](const Parameters& p) -> std::unique_ptr<ContactSolver> {
-            return std::make_unique<BodyDescent>(static_cast<int>(p.number_or("iterations", 50)),
-                                                 p.number_or("tolerance", 1e-6), p.number_or("growth", 1.2));
-          }};
+  return solver_entry<BodyDescent>(
+      "avbd", "augmented descent body by body, one 6 x 6 system each", "Giles, Diaz and Yuksel 2025", 50,
+      Field{"growth", "", "", Kind::number, 1.2, {1, 10}, "factor of the penalty per iteration"});
 }
 
 }  // namespace epafi

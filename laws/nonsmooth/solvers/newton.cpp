@@ -190,28 +190,17 @@ void Newton::visit(StateVisitor& visitor) {
 }
 
 SolverEntry newton_entry() {
-  Entry entry{"newton",
-              "augmented Lagrangian with a semismooth Newton method inside; sparse Cholesky in body space",
-              solver_fields(),
-              {.slip_velocity = true, .memory = true},
-              "Alart and Curnier 1991; Lee, Lee and Lee 2025"};
-  return {std::move(entry), [](const Parameters& parameters) -> std::unique_ptr<ContactSolver> {
-            return std::make_unique<Newton>(static_cast<int>(parameters.number_or("iterations", 50)),
-                                            parameters.number_or("tolerance", 1e-6));
-          }};
+  return solver_entry<Newton>(
+      "newton", "augmented Lagrangian with a semismooth Newton method inside; sparse Cholesky in body space",
+      "Alart and Curnier 1991; Lee, Lee and Lee 2025", 50);
 }
 
 SolverEntry augmented_lagrangian_entry() {
-  Entry entry{"augmented-lagrangian",
-              "Uzawa's iteration on the augmented Lagrangian of a fixed augmentation, semismooth Newton inside",
-              solver_fields({{"augmentation", "r", "", Kind::number, 1e3, positive, "relative to 1 / W_ii"}}),
-              {.slip_velocity = true, .memory = true},
-              "Alart and Curnier 1991; Simo and Laursen 1992"};
-  return {std::move(entry), [](const Parameters& parameters) -> std::unique_ptr<ContactSolver> {
-            return std::make_unique<Newton>(static_cast<int>(parameters.number_or("iterations", 50)),
-                                            parameters.number_or("tolerance", 1e-6),
-                                            parameters.number_or("augmentation", 1e3));
-          }};
+  return solver_entry<Newton>(
+      "augmented-lagrangian",
+      "Uzawa's iteration on the augmented Lagrangian of a fixed augmentation, semismooth Newton inside",
+      "Alart and Curnier 1991; Simo and Laursen 1992", 50,
+      Field{"augmentation", "r", "", Kind::number, 1e3, positive, "relative to 1 / W_ii"});
 }
 
 }  // namespace epafi

@@ -30,7 +30,7 @@ class Newton final : public ConeSolver {
   std::span<const Mat3> derivative() const { return factored_ ? std::span<const Mat3>(d_) : std::span<const Mat3>(); }
   /// After a solve that took no iteration: D as it was before, of the same contacts, with the geometry of now.
   void hold() { factored_ = stale_ = !d_.empty() && d_.size() == problem_->size(); }
-  /// As if the last solve had been of this problem (rows, mass, friction) with that D: of a run that goes on.
+  /// Restores the state after a solve of this problem (rows, mass, friction) with that D, for a resumed run.
   void resume(const ConeProblem& problem, std::vector<Mat3> derivative);
 
   /// At most so many factorisations; ends after `patience` of them while the residual is above `behind`.
@@ -83,8 +83,8 @@ class Newton final : public ConeSolver {
   Impulses best_;
 };
 
-/// What a factor is made of again: rows and masses of `blocks`, friction, and D by contact; all of them are empty where
-/// D is.
+/// Data from which a factor is recomputed: rows and masses of `blocks`, friction, and D by contact; all empty where D
+/// is.
 void visit_factor(StateVisitor& visitor, ConeProblem& blocks, std::vector<Mat3>& derivative);
 
 /// 3 / trace W_ii [kg]: the impulse that a velocity is worth at a contact; 0 where nothing moves.

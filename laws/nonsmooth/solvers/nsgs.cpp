@@ -7,11 +7,8 @@
 namespace epafi {
 
 SolverEntry nsgs_entry() {
-  Entry entry{"nsgs",
-              "block Gauss-Seidel with the exact local solution of every contact",
-              solver_fields(),
-              {.slip_velocity = true, .memory = true},
-              "Jean 1999; Bonnefon and Daviet 2011"};
+  Entry entry{"nsgs", "block Gauss-Seidel with the exact local solution of every contact", solver_fields(),
+              solver_needs, "Jean 1999; Bonnefon and Daviet 2011"};
   return {std::move(entry), [](const Parameters& parameters) -> std::unique_ptr<ContactSolver> {
             return std::make_unique<GaussSeidel<NsgsRule>>(NsgsRule{}, parameters);
           }};

@@ -135,15 +135,10 @@ SolverReport Proximal::solve(const ConeProblem& problem, Impulses& r) {
 }
 
 SolverEntry proximal_entry() {
-  Entry entry{"proximal",
-              "proximal point with a semismooth Newton method on the Alart-Curnier map inside; sparse LU, with sweeps",
-              solver_fields(),
-              {.slip_velocity = true, .memory = true},
-              "Alart and Curnier 1991; Acary, Bremond and Huber 2018"};
-  return {std::move(entry), [](const Parameters& parameters) -> std::unique_ptr<ContactSolver> {
-            return std::make_unique<Proximal>(static_cast<int>(parameters.number_or("iterations", 50)),
-                                              parameters.number_or("tolerance", 1e-6));
-          }};
+  return solver_entry<Proximal>(
+      "proximal",
+      "proximal point with a semismooth Newton method on the Alart-Curnier map inside; sparse LU, with sweeps",
+      "Alart and Curnier 1991; Acary, Bremond and Huber 2018", 50);
 }
 
 }  // namespace epafi

@@ -115,11 +115,10 @@ SolverEntry soft_step_entry() {
   Entry entry{"soft-step",
               "soft constraints with substeps: a fixed, small cost per step; impulses and overlaps are approximate",
               solver_fields({{"frequency", "f", "Hz", Kind::number, 30.0, positive,
-                              "of the contact spring, at most a quarter of the substeps per second"},
-                             {"damping_ratio", "zeta", "", Kind::number, 10.0, positive, "of the contact spring"}},
+                              "natural frequency of a contact, at most a quarter of the substeps per second"},
+                             {"damping_ratio", "zeta", "", Kind::number, 10.0, positive, "damping ratio of a contact"}},
                             4.0),
-              {.slip_velocity = true, .memory = true},
-              "Catto 2024"};
+              solver_needs, "Catto 2024"};
   return {std::move(entry), [](const Parameters& p) -> std::unique_ptr<ContactSolver> {
             return std::make_unique<SoftStep>(static_cast<int>(p.number_or("iterations", 4)),
                                               p.number_or("frequency", 30.0), p.number_or("damping_ratio", 10.0));

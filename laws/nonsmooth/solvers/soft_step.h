@@ -14,7 +14,7 @@
 
 namespace epafi {
 
-/// What a run over the rows does; r of a row is the sum of impulses so far, base what it was before this part.
+/// Task of a pass over the rows; r of a row is the sum of impulses so far, base its value before this substep.
 struct SoftRule {
   enum class Task { begin_step, begin_part, push, move, relax, rebound };
   Task task = Task::relax;

@@ -1,4 +1,5 @@
-/// @file solver.h  What a non-smooth solver is: impulses of a friction-contact problem, warm start in, solution out.
+/// @file solver.h  Interface of non-smooth solvers: they compute the impulses of a friction-contact problem from a warm
+/// start.
 #pragma once
 #include <functional>
 #include <memory>
@@ -12,31 +13,32 @@ namespace epafi {
 class ContactSolver {
  public:
   virtual ~ContactSolver() = default;
-  /// r: start on entry (feasible: every r_i in its cone), solution on return. `converged` and `residual` are the
-  /// solver's own claim; callers measure again (residual.h).
+  /// r: start on entry (every r_i in its cone), solution on return. `converged` and `residual` are the solver's own
+  /// values; callers measure again (residual.h).
   virtual SolverReport solve(const ContactProblem& problem, Impulses& r) = 0;
   /// The same for a problem in blocks: a file or an island. A solver that needs more than blocks returns an infinite
   /// residual.
   virtual SolverReport solve(const ConeProblem&, Impulses&) { return {false, 0, infinity}; }
 
-  /// Shown before the solve of a step, for solvers that look beyond the problem.
+  /// Called before the solve of a step, for solvers that need more than the problem.
   virtual void see(const World&, const BodyVelocities&, const ContactSet&, double) {}
-  /// What bodies are to move beside dt v_{k+1} [m], [rad]; null: the position correction decides.
+  /// Displacements of bodies beside dt v_{k+1} [m], [rad]; null: position correction computes them.
   virtual const BodyVelocities* displacement() const { return nullptr; }
 
-  /// A start with this residual is the solution; negative: no start is, sweeps go on from step to step.
+  /// Residual at or below which a start is accepted as the solution; negative: never.
   virtual double good_start() const { return -1.0; }
 
-  /// Takes `change`, velocities that impulses r leave at the contacts, out of r as well, by means left from the last
-  /// solve of the same contacts: calms() says whether there are any. r stays feasible.
+  /// Corrects r for the velocities `change` that it leaves at the contacts [m/s], with the factor of the last solve of
+  /// the same contacts; calms(): whether there is one. r stays feasible.
   virtual bool calms() const { return false; }
   virtual void calm(const std::vector<Vec3>& /*change*/, Impulses& /*r*/) {}
-  /// Other contacts than in the last step, or bodies by other names: nothing of the last solve holds.
+  /// Discards data of the last solve, since contacts or slots of bodies have changed.
   virtual void forget() {}
-  /// Those means, where a step may need them after a restart.
+  /// State that a step needs after a restart (the factor).
   virtual void visit(StateVisitor&) {}
 
-  /// Asked now and then; true ends the solve with what there is. Empty in a run: steps must not depend on clocks.
+  /// Called now and then; true ends the solve with the present impulses. Empty in a run: steps must not depend on
+  /// clocks.
   std::function<bool()> interrupted;
 
  protected:
@@ -55,8 +57,8 @@ class ConeSolver : public ContactSolver {
   double good_start() const final { return aim({}); }
 
  protected:
-  /// The residual to go on for: of a start a tenth of the tolerance, or errors of the size of the tolerance would add
-  /// up from step to step.
+  /// Residual to reach: for a start a tenth of the tolerance, since errors of the size of the tolerance would
+  /// accumulate from step to step.
   double aim(const SolverReport& report) const { return report.iterations == 0 ? 0.1 * tolerance_ : tolerance_; }
 
   /// The problem of the last step.
@@ -96,6 +98,21 @@ inline std::vector<Field> solver_fields(std::vector<Field> own = {}, double iter
   };
   all.insert(all.end(), own.begin(), own.end());
   return all;
+}
+
+/// Needs of a solver.
+inline constexpr Needs solver_needs{.slip_velocity = true, .memory = true};
+
+/// Entry of a Solver(iterations, tolerance, numbers of its own fields in their order). iterations: default.
+template <class Solver, class... Own>
+SolverEntry solver_entry(const char* name, const char* summary, const char* source, double iterations,
+                         const Own&... own) {
+  return {{name, summary, solver_fields({own...}, iterations), solver_needs, source},
+          [=](const Parameters& p) -> std::unique_ptr<ContactSolver> {
+            return std::make_unique<Solver>(static_cast<int>(p.number_or("iterations", iterations)),
+                                            p.number_or("tolerance", 1e-6),
+                                            p.number_or(own.name, std::get<double>(*own.default_value))...);
+          }};
 }
 
 /// The field `cone` of a solver that can also relax Coulomb's cone.

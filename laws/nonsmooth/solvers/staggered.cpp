@@ -57,11 +57,7 @@ SolverReport Staggered::solve(const ConeProblem& problem, Impulses& r) {
 
 namespace {
 SolverEntry entry_of(const char* name, const char* summary, const char* source, LcpMethod method) {
-  Entry entry{name,
-              std::string(summary) + "; friction by staggering",
-              solver_fields({}, 10000),
-              {.slip_velocity = true, .memory = true},
-              source};
+  Entry entry{name, std::string(summary) + "; friction by staggering", solver_fields({}, 10000), solver_needs, source};
   return {std::move(entry), [method](const Parameters& p) -> std::unique_ptr<ContactSolver> {
             return std::make_unique<Staggered>(method, static_cast<int>(p.number_or("iterations", 10000)),
                                                p.number_or("tolerance", 1e-6));

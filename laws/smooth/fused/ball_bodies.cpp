@@ -52,7 +52,7 @@ Slot BallBodies::place_of(Slot body, std::uint32_t part) const {
   return part == 0 ? static_cast<Slot>(size()) + body : no_slot;
 }
 
-/// f(whole, it is free) for those of bodies in slots [begin, end).
+/// Calls f(whole, is free) for bodies with balls in slots [begin, end).
 template <class F>
 void BallBodies::each_in(std::size_t begin, std::size_t end, const F& f) const {
   for (const std::vector<Whole>* all : {&free_, &held_})

@@ -1,7 +1,7 @@
-/// @file ball_bodies.h  Balls of clumps and of held bodies in the loop over spheres. Each has a place and a state of
-/// its own before those of the bodies, written from its body's before the contacts are found: where the ball is, how
-/// fast its centre moves, how easily its body gives. What the loop finds for a ball goes to its body afterwards. A ball
-/// of a clump that touches is thus a sphere to the loop; a free sphere is its own body and pays nothing.
+/// @file ball_bodies.h  Balls of clumps and of held bodies in the loop over spheres. Each has a place before those of
+/// the bodies, and a state (position, velocity of its centre, inverse mass) that is computed from its body's before
+/// detection. Sums of a ball are added to its body afterwards. So the loop treats balls of clumps as spheres, and free
+/// spheres have no additional cost.
 #pragma once
 #include <span>
 #include <vector>
@@ -17,19 +17,19 @@ namespace epafi {
 
 class BallBodies {
  public:
-  /// Those of a list from now on.
+  /// Sets the balls.
   void take(std::span<const BodyBall> balls, const World& world);
   const std::vector<BodyBall>& all() const { return balls_; }
   std::size_t size() const { return balls_.size(); }
   bool empty() const { return balls_.empty(); }
-  /// Some belong to bodies that move by what they feel.
+  /// True if some belong to free bodies.
   bool any_free() const { return !free_.empty(); }
 
-  /// Of a place in the loop.
+  /// Ball of a place in the loop.
   Slot body_of(Slot place) const { return place < size() ? balls_[place].body : place - static_cast<Slot>(size()); }
   std::uint32_t part_of(Slot place) const { return place < size() ? balls_[place].part : 0u; }
   bool is_of_clump(Slot place) const { return place < size() && balls_[place].of_clump; }
-  /// From the body's centre to the ball's, where it was placed last, world axes [m].
+  /// Vector from the body's centre to the ball's at its last placement, world axes [m].
   Vec3 offset_of(Slot place) const { return place < size() ? offset_[place] : Vec3(Vec3::Zero()); }
   /// By place of balls; null where there are none.
   const Vec3* offsets() const { return offset_.empty() ? nullptr : offset_.data(); }
@@ -43,26 +43,26 @@ class BallBodies {
   /// no_slot: the body has no such ball.
   Slot place_of(Slot body, std::uint32_t part) const;
 
-  /// Bodies stand elsewhere, or other ones in their slots: they are to be placed before the next contacts.
+  /// Bodies have moved or have other slots: balls must be placed before the next detection.
   void forget_places() { placed_ = false; }
   void set_placed() { placed_ = true; }
   bool placed() const { return placed_; }
-  /// Those that have a listed pair: the others are not placed and feel nothing. True where some were not used before.
+  /// Sets the balls that have a listed pair; others are not placed. True if some were not used before.
   bool use(const SpherePairs& pairs);
   /// Writes the states of the balls of bodies in slots [begin, end) and, where it is not null, `late_spins` by place.
   /// Velocities of the bodies' states, and those predicted `lag` later, are known.
   void place(World& world, double lag, Lanes* late_spins, std::size_t begin, std::size_t end);
   void place_all(World& world, double lag, Lanes* late_spins);
 
-  /// Takes what was found for the balls from place `begin` on: sums and moments (or null), 0 again then.
+  /// Collects sums and moments (or null) of the balls from place `begin` on, and resets them to 0.
   void collect(const World& world, SphereSum* sums, Lanes* moments, std::size_t begin, std::size_t end);
-  /// Adds it to the forces of bodies in slots [begin, end), or, where `touched` does not say that there are some, puts
-  /// it in their place, and says so.
+  /// Adds the collected loads to the forces of bodies in slots [begin, end), or sets these if `touched` is 0 there, and
+  /// then sets it.
   void give(World& world, std::uint8_t* touched, std::size_t begin, std::size_t end);
-  /// Of held bodies on the others, by what was collected last [W].
+  /// Power of held bodies on the others, by the last collected loads [W].
   double driven_power(const World& world) const;
-  /// Sum of force times offset over all balls, by axis [N m]: by it the virial of bodies exceeds that of balls.
-  /// Of several processes of bodies that are not others'.
+  /// Sum of force times offset over all balls, by axis [N m]: virial of bodies minus that of balls. With several
+  /// processes: over this one's bodies.
   void add_virial(const World& world, VirialSums& sums) const;
 
  private:

@@ -36,7 +36,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     since_drift_ = 0.0;
   }
   void set_bodies(UnwrittenColumn<double> radius, std::size_t first) override {
-    if (first > 0 && !radius_.empty()) {  // the bodies before them are not handed over yet
+    if (first > 0 && !radius_.empty()) {  // the bodies before them are not known yet
       EPAFI_REQUIRE(first_ + radius_.size() == first, "bodies come behind the others");
       for (const double r : radius) radius_.push_back(r);
       return;
@@ -111,7 +111,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       report.losses = {};
       report.has_solver = false;
     }
-    others_ = contacts.size() > 0;  // one more call after the last contact has opened lets its spring go
+    others_ = contacts.size() > 0;  // one more call after the last contact has opened releases its spring
     const bool onward = has_extent_ && clock.run_on && clock.run_on->agrees(seen());
     run_blocks(world, clock, onward);
     count(clock.dt, report);
@@ -183,7 +183,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     blocks_.reorder(change);
   }
   void visit(StateVisitor& visitor) override {
-    ahead_ = false;  // it may be another state that comes in
+    ahead_ = false;  // the loaded state may differ
     displacements_.clear();
     generic_->visit(visitor);
     blocks_.visit(visitor);
@@ -196,7 +196,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   static_assert(TouchedBodies::block_size == SphereBlocks::largest_block, "threads share the same bodies out in both");
   static constexpr std::size_t most_accumulators = 64;  ///< of a thread; of two, 15 were in use in a bed of 100 000
 
-  /// Later than the velocities of the world by this are those the dampers see [s].
+  /// Time from the velocities of the world to those of the dampers [s].
   double lag(const StepClock& clock) const { return law_.damped ? clock.velocity_lag * clock.dt : 0.0; }
 
   BodyPass pass(World& world, const StepClock& clock, std::size_t begin, std::size_t end, std::size_t accumulator,
@@ -230,7 +230,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       displacements_[i] = dt * std::sqrt(largest_inverse_half_margin_[i].sum());
   }
 
-  /// Whether one material is that of all spheres.
+  /// Whether all spheres have one material.
   void find_materials(const World& world) {
     const std::vector<BodyBall>& balls = blocks_.balls().all();
     if (first_ > 0 && own_ < law_.materials) {  // it was that of those before
@@ -287,8 +287,8 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     return arrays;
   }
 
-  /// All blocks through the loop, then what they found for each other, and the second half of the step with it; with
-  /// `onward` the first half of the next one too: nobody reads the bodies of a block any more when its turn has come.
+  /// Computes the contacts of all blocks, then adds records of other blocks and does the second half of the step; with
+  /// `onward` also the first half of the next one, since no later block reads the bodies of a finished block.
   void run_blocks(World& world, const StepClock& clock, bool onward) {
     auto& all = blocks_.blocks();
     passes_ = law_.passes();
@@ -333,7 +333,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
                      {}});
       if (of_balls > 0 && onward) blocks_.balls().place(world, lag(clock), blocks_.late_spins(), begin, end);
     };
-    // those of balls before: bodies are finished with what their balls have felt
+    // blocks of balls come first: bodies need the sums of their balls
     const auto collect = [&](std::size_t i, std::size_t accumulator, std::size_t) {
       blocks_.receive(i, accumulator);
       blocks_.balls().collect(world, blocks_.sums(accumulator), blocks_.moments(accumulator), blocks_.begin_of(i),
@@ -352,7 +352,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   static BodyState* all_states(World& world) { return world.states().data() - world.states_before(); }
   static const BodyState* all_states(const World& world) { return world.states().data() - world.states_before(); }
 
-  /// Adds what the blocks found to the report of the generic loop.
+  /// Adds the results of the blocks to the report of the generic loop.
   void count(double dt, StepReport& report) {
     report.contacts += blocks_.pairs();
     Losses lost;
@@ -384,7 +384,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     if (!world.cell) return;
     Virial found;
     add_virial(world, found);
-    // where the generic loop ran, the cell has its virial of now, and the step before is booked
+    // if the generic loop ran, the cell has its present virial, and the previous step is booked
     const Vec3 virial = found.value(), both = world.cell->virial + virial;
     report.work += 0.5 * dt * (others ? virial : both).dot(world.cell->strain_rate);
     world.cell->virial = others ? both : virial;
@@ -406,7 +406,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     return load;
   }
 
-  /// In the middle of the last step: what its second half added to a body is taken off again [m/s].
+  /// Velocity in the middle of the last step: without the change by its second half [m/s].
   Vec3 middle_velocity(const World& world, Slot place) const {
     const auto balls = static_cast<Slot>(blocks_.balls().size());
     if (place < balls) return xyz(all_states(world)[place].velocity);

@@ -59,7 +59,7 @@ struct Place {
     for (const std::uint32_t k : in.used) {
       const BodyBall& ball = in.balls[k];
       const Lanes offset = turn.of(ball.centre.x(), ball.centre.y(), ball.centre.z());
-      const Lanes flow = rate * offset;  // the cell carries the body, not its balls
+      const Lanes flow = rate * offset;  // the flow of the cell is that at the body's centre
       write_three(in.offsets[k].data(), offset);
       BodyState& state = in.states[k];
       state.position = with(position + offset, ball.radius);

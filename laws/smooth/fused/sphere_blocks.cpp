@@ -85,8 +85,8 @@ SphereImage image_of(std::uint32_t image) {
   return {Lanes{step(0), step(2), step(4), 0.0}, image >> 8};
 }
 
-/// Blocks a thread up to which they are gone through out of their order. (Hopper of 20 blocks, two threads:
-/// contacts 30.9 to 29.4 ns; bed of 98, whose neighbours' bodies lie in the cache: 22.1 to 25.8.)
+/// Largest number of blocks per thread that are reordered. (Two threads, ns for contacts without and with reordering:
+/// hopper of 20 blocks 30.9, 29.4; bed of 98 blocks, whose neighbours' bodies are in cache, 22.1, 25.8.)
 constexpr std::size_t most_ordered = 16;
 }  // namespace
 
@@ -148,7 +148,7 @@ bool SphereBlocks::keeps_rows(std::size_t index, std::size_t end, const SpherePa
                     rows_.partner.begin() + then);
 }
 
-/// Where bodies come, many blocks will stay as they are at the next layout.
+/// If bodies enter, many blocks do not change in the next layout.
 void SphereBlocks::see_rows(const SpherePairs& pairs, bool grown) {
   const bool wanted = (grown || !rows_.first.empty()) && pairs.image.empty();
   laid_bodies_ = bodies_;
@@ -192,8 +192,8 @@ std::size_t SphereBlocks::run_of(Slot b, std::size_t end) const {
   return planes_.size() + (b < end ? 0 : 1);
 }
 
-/// Runs of a block and the later blocks among its partners; place: by run, where its first pair comes, as `pairs_end`
-/// of a target until they are there.
+/// Finds the runs of a block and the later blocks among its partners. place: by run, index of its first pair; pairs_end
+/// of a target holds the same until its pairs are written.
 void SphereBlocks::make_runs(Block& block, std::size_t end, std::span<const Slot> partners,
                              std::vector<std::uint32_t>& place) const {
   const std::size_t inside = planes_.size(), across = inside + 1;
@@ -248,7 +248,7 @@ void SphereBlocks::lay_out(Block& block, Slot index, const SpherePairs& pairs) {
   fill_up(block);
 }
 
-/// Runs are filled up to whole eights, and the block by as many pairs as the loop looks ahead.
+/// Pads runs to multiples of eight, and the block by the prefetch distance.
 void SphereBlocks::fill_up(Block& block) const {
   fill_pairs(block);
   for (std::size_t r = 0; r < block.runs.size() && !block.images.empty(); ++r) {
@@ -259,7 +259,7 @@ void SphereBlocks::fill_up(Block& block) const {
   block.touched.assign(block.size / pairs_per_byte, 0);
 }
 
-/// The state that is nowhere stands behind the last body.
+/// The NaN state follows the last body.
 void SphereBlocks::fill_pairs(Block& block) const {
   const SpherePlace nowhere(place_of_body(static_cast<Slot>(bodies_)));
   for (std::size_t r = 0; r < block.runs.size(); ++r) {
@@ -318,7 +318,7 @@ SphereBlocks::Kept SphereBlocks::kept_of(const Block& block, const Run& run, std
           {load[0], load[1], load[2], load[3]}};
 }
 
-/// The same spring seen from B: what is remembered is what A feels.
+/// The same spring seen from B: the memory is the load on A.
 void SphereBlocks::turn_round(Kept& kept) {
   std::swap(kept.a, kept.b);
   kept.key = opposite_image((kept.key & Kept::image) << 8) >> 8 | (kept.key >> 8 & 0xffu) << 16 |
@@ -329,7 +329,7 @@ void SphereBlocks::turn_round(Kept& kept) {
     for (Vec3& load : kept_.bristles[kept.more].get().load) load = -load;
 }
 
-/// Kept springs go by the places of the next layout from now on, lower one first.
+/// Renumbers kept springs to places of the next layout, the lower one first.
 void SphereBlocks::name_places() {
   if (std::exchange(kept_of_balls_, false) == false && balls_.empty()) return;
   for (Kept& s : kept_.springs) {
@@ -380,7 +380,7 @@ void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept)
   }
 }
 
-/// Springs go out of the blocks, in their order; planes: those of the layout.
+/// Moves springs out of the blocks, in order; planes: those of the layout.
 void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
   if (!laid_out_) return;
   kept_of_balls_ = !balls_.empty();
@@ -450,7 +450,7 @@ void SphereBlocks::reorder(const Reordering& change) {
   for (Kept& s : kept_.springs) {
     s.a = change.new_slot[s.a];
     s.b = change.new_slot[s.b];
-    // planes are not known yet where a state has just come in
+    // planes are not known yet after a state was loaded
     if (s.a == no_slot || s.b == no_slot || (s.key & Kept::of_plane) != 0 || s.a < s.b) continue;
     turn_round(s);  // the load is that on the lower slot
   }
@@ -458,11 +458,11 @@ void SphereBlocks::reorder(const Reordering& change) {
 }
 
 void SphereBlocks::visit(StateVisitor& visitor) {
-  std::fill(plain_.begin(), plain_.end(), std::uint8_t{0});  // it may be another state that comes in
+  std::fill(plain_.begin(), plain_.end(), std::uint8_t{0});  // the loaded state may differ
   take_out(planes_);
   grouped_ = false;
   balls_.forget_places();
-  // what else is remembered comes in the order of the springs that are left: some have gone since
+  // other memory is in the order of the remaining springs
   kept_.each_more(needs_, [&]<class T>(UnwrittenColumn<T>& column, const char*) {
     UnwrittenColumn<T> left;
     left.reserve(kept_.springs.size());

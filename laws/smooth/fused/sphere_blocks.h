@@ -1,9 +1,8 @@
-/// @file sphere_blocks.h  Contacts of spheres among themselves and with fixed planes, laid out for a loop over several
-/// at a time. Places (SpherePairs) are cut into blocks, those of balls apart from those of bodies; a block owns the
-/// contacts whose lower place it holds and adds their forces to its own spheres; what it finds for those of later
-/// blocks it writes down, by block, and those blocks add it in a second pass. The sum of a sphere is that of its
-/// planes, then of its partners from the highest place down, whichever blocks they lie in: the bits depend neither on
-/// threads, nor on the size of the blocks, nor on which pairs that do not touch are listed.
+/// @file sphere_blocks.h  Contacts of spheres with each other and with fixed planes, in a layout for SIMD loops. Places
+/// (SpherePairs) are divided into blocks, separately for balls and bodies. A block owns the contacts whose lower place
+/// it holds and adds their forces to its own spheres; forces on spheres of later blocks go to records, which those
+/// blocks add in a second pass. A sphere sums its planes, then its partners from the highest place down, in any block:
+/// the bits depend neither on threads, nor on the block size, nor on listed pairs that do not touch.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -23,7 +22,8 @@
 
 namespace epafi {
 
-/// What a contact adds to the sum of a body of another block: 48 bytes, for a million spheres 7 MB less than sums.
+/// Contribution of a contact to the sum of a body of another block: 48 bytes, for a million spheres 7 MB less than
+/// sums.
 struct SphereRecord {
   double first[4], second[2];  ///< as those of a sum
 };
@@ -36,7 +36,7 @@ struct SpherePlane {
   Vec3 point = Vec3::Zero();
 };
 
-/// What the blocks are laid out from.
+/// Input of the layout.
 struct SphereList {
   const SpherePairs& pairs;
   std::vector<SpherePlane> planes;  ///< of pairs.planes
@@ -46,8 +46,8 @@ struct SphereList {
   std::span<const BodyBall> balls{};  ///< whose places come first
 };
 
-/// A place in the loop: where its sum begins, from the first one's [B], and, doubled, its state: the loop over contacts
-/// multiplies less.
+/// A place in the loop, as the byte offset of its sum; twice the offset is that of its state. This saves
+/// multiplications in the loop over contacts.
 struct SpherePlace {
   static constexpr std::uint32_t unit = sizeof(SphereSum);
   std::uint32_t offset = 0;
@@ -62,7 +62,7 @@ struct SpherePlaces {
   SpherePlace a, b;
 };
 
-/// Beside a pair in a periodic cell: which image its B is.
+/// Image of B of a pair in a periodic cell.
 struct alignas(32) SphereImage {
   Lanes cells;            ///< from B to the image, -1, 0 or 1, by axis; 0
   std::uint32_t key = 0;  ///< image code of the contact's key
@@ -71,9 +71,8 @@ struct alignas(32) SphereImage {
 class SphereBlocks {
  public:
   static constexpr std::size_t largest_block = 1024;  ///< bodies of a block, unless a smaller one is asked for
-  static constexpr std::uint32_t pairs_per_byte = 8;  ///< of `touched`; runs are filled up to so many
-  static constexpr std::uint32_t pairs_ahead = 24;    ///< the loop asks for bodies so far ahead: as many pairs stand
-                                                      ///< behind the last one
+  static constexpr std::uint32_t pairs_per_byte = 8;  ///< bits of `touched`; runs are padded to a multiple
+  static constexpr std::uint32_t pairs_ahead = 24;    ///< prefetch distance; as many pairs follow the last one
   static constexpr std::size_t most_bodies = std::size_t{0xffffffffu} / SpherePlace::unit - largest_block;
 
   /// Pairs of one plane, inside a block or across blocks: [begin, end) of the block's, begin a multiple of eight,
@@ -84,7 +83,7 @@ class SphereBlocks {
     bool across = false;
   };
 
-  /// What a block finds for a later one: its records from those of the target before on.
+  /// Records of a block for a later one; they follow those of the previous target.
   struct Target {
     Slot block = 0;
     std::uint32_t pairs_end = 0;  ///< in the run across blocks
@@ -94,28 +93,27 @@ class SphereBlocks {
   struct Block {
     explicit Block(const SphereNeeds& needs) : springs(needs) {}
     std::vector<Run> runs;                ///< planes in order, then across blocks, then inside the block
-    UnwrittenColumn<SpherePlaces> pairs;  ///< every run filled up to whole eights, `pairs_ahead` more behind the last,
-                                          ///< with pairs of the state that is nowhere
+    UnwrittenColumn<SpherePlaces> pairs;  ///< runs padded to multiples of eight and by `pairs_ahead`, with NaN states
     UnwrittenColumn<SphereImage> images;  ///< by pair, in a periodic cell; else empty
     std::vector<std::uint8_t> touched;    ///< by eight pairs: those that touched at the last call, one bit each
-    SphereSprings springs;                ///< of those, with friction
+    SphereSprings springs;                ///< springs of touching pairs, with friction
     std::uint32_t size = 0;               ///< pairs, whole eights
     std::vector<Target> targets;          ///< descending, one behind the last
     std::vector<Slot> sources;            ///< blocks that have this one among their targets, ascending
-    std::vector<std::uint32_t> waits;     ///< those of them that are of balls or of bodies as it is, from its first on
-    /// Of contacts across blocks that touch, in their order: forces on B, its place, and with rolling moments [N m].
+    std::vector<std::uint32_t> waits;     ///< sources of the same kind (balls or bodies), numbered from its first block
+    /// Touching contacts across blocks, in order: forces on B, its place, and with rolling moments [N m].
     UnwrittenColumn<SphereRecord> records;
     UnwrittenColumn<SpherePlace> record_places;
     UnwrittenColumn<Lanes> record_moments;
-    double elastic = 0.0;                ///< stored in the contacts when somebody looked last [J]
+    double elastic = 0.0;                ///< elastic energy of the contacts at the last measurement [J]
     double slipped = 0.0;                ///< lost by slip in the step [J]
     double viscous = 0.0;                ///< power lost in the dampers [W]
     double lost = 0.0;                   ///< to plastic deformation or adhesion in the step [J]
     std::array<OrderFreeSum, 3> virial;  ///< force on A times branch, by axis [N m]; in a periodic cell only
-    std::size_t touching = 0;            ///< of those listed; none that another process counts or that has broken
+    std::size_t touching = 0;  ///< number of touching contacts, without those of other processes or broken ones
     double deepest = 0.0, deepest_relative = 0.0;  ///< overlap [m], over the smaller radius
     void grow_records(std::size_t size, bool rolls);
-    /// Pairs that each_touching() goes through.
+    /// Number of pairs of each_touching().
     std::size_t listed() const {
       std::size_t sum = 0;
       for (const std::uint8_t eight : touched) sum += static_cast<std::size_t>(std::popcount(eight));
@@ -131,29 +129,28 @@ class SphereBlocks {
       : needs_(needs), block_size_(block_size) {}
   std::size_t block_size() const { return block_size_; }
 
-  /// Lays out the pairs anew, each block in its own room; springs of contacts that go on are kept.
+  /// Lays out the pairs anew; springs of continuing contacts are kept.
   void rebuild(const World& world, const SphereList& list);
-  /// Records go until the next step.
-  /// Bodies went to other slots: springs follow, the layout waits for the next rebuild.
+  /// Bodies have new slots: springs are renumbered; the layout is invalid until the next rebuild.
   void reorder(const Reordering& change);
   void visit(StateVisitor& visitor);
 
-  /// Adds what other blocks found for the bodies of block i to the sums of its accumulator.
+  /// Adds records of other blocks for the bodies of block i to the sums of its accumulator.
   void receive(std::size_t i, std::size_t accumulator);
-  /// What of the bodies' states is ours and stays, and which bodies are plain; radius: of free spheres, of the bodies
+  /// Sets the constant members of body states that belong to this model, and the plain bodies. radius: of free spheres,
   /// from slot `first` on [m].
   void set_constants(World& world, std::span<const double> radius, std::size_t first = 0);
-  /// Bodies that came since the last layout, behind the others: as those without contacts until the next one.
+  /// Adds bodies that entered since the last layout, after the others, without contacts until the next one.
   void welcome(const World& world);
-  /// Bodies of the last layout, or welcome since.
+  /// Number of bodies of the last layout and of those added since.
   std::size_t bodies() const { return bodies_; }
   BallBodies& balls() { return balls_; }
   const BallBodies& balls() const { return balls_; }
-  /// Balls that have not been placed have pairs since the last layout; says it once.
+  /// True once after a layout with pairs of balls that were not placed before.
   bool take_new_balls() { return std::exchange(has_new_balls_, false); }
-  /// The first blocks are of balls.
+  /// Number of blocks of balls, which come first.
   std::size_t ball_blocks() const { return blocks_of(balls_.size()); }
-  /// Of the places of a block.
+  /// First place of a block.
   std::size_t begin_of(std::size_t block) const {
     const std::size_t before = ball_blocks();
     return block < before ? block * block_size_ : balls_.size() + (block - before) * block_size_;
@@ -174,29 +171,29 @@ class SphereBlocks {
           f(run, k + static_cast<std::uint32_t>(std::countr_zero(bits)), rank++);
   }
 
-  /// In which the blocks are best gone through by the threads at hand; empty: ascending.
+  /// Best order of the blocks for the present threads; empty: ascending.
   std::span<const std::uint32_t> order() const { return order_; }
   std::vector<Block>& blocks() { return blocks_; }
   const std::vector<Block>& blocks() const { return blocks_; }
   const std::vector<SpherePlane>& planes() const { return planes_; }
-  /// By four bodies: laws/smooth/fused/body_pass.h may take them together.
+  /// By four bodies: laws/smooth/fused/body_pass.h may process them together.
   const std::uint8_t* plain() const { return plain_.data(); }
-  /// How many sums of a block there are at once.
+  /// Sets the number of accumulators (sums of a block) in use at once.
   void set_accumulators(std::size_t accumulators);
-  /// Of the first place of the block that has this accumulator, and one behind the last that nobody reads; all zero
-  /// before its first contact.
+  /// Sums of the block that uses this accumulator, by place, and one more that is never read; zero before its first
+  /// contact.
   SphereSum* sums(std::size_t accumulator) { return sums_.data() + accumulator * (block_size_ + 1); }
   void clear_accumulator(std::size_t accumulator);
   /// Spin at the time of the detection, by place [rad/s]; null without rolling, as the next ones.
   Lanes* late_spins() { return late_spins_.empty() ? nullptr : late_spins_.data(); }
   /// By slot.
   Lanes* late_spins_of_bodies() { return late_spins_.empty() ? nullptr : late_spins_.data() + balls_.size(); }
-  /// Moments against rolling beside the sums [N m].
+  /// Rolling moments, by place like the sums [N m].
   Lanes* moments(std::size_t accumulator) {
     return moments_.empty() ? nullptr : moments_.data() + accumulator * block_size_;
   }
   std::size_t pairs() const { return pairs_; }
-  /// False where springs wait for a rebuild: at the start, after a reordering, after a state was saved or loaded.
+  /// False if springs wait for a rebuild: at the start, after a reordering, after a state was saved or loaded.
   bool laid_out() const { return laid_out_; }
 
  private:
@@ -243,7 +240,7 @@ class SphereBlocks {
   void fill_up(Block& block) const;
   void fill_pairs(Block& block) const;
   void list_sources();
-  /// Of a block or a const one: among its targets.
+  /// Iterator to target `to` among the targets of a block; end() where there is none.
   template <class B>
   static auto target_of(B& block, std::size_t to) {
     return std::ranges::find(block.targets, static_cast<Slot>(to), &Target::block);

@@ -1,7 +1,7 @@
-/// @file sphere_kernel.h  Contact of spheres, n contacts at a time. A first pass tests all pairs of a run and hands
-/// on those that touch; these alone, closed up, go through motion, the passes of the laws (tile_passes.h) and sums, 32
-/// together: each of these loops is short, so that the processor works at several groups at once. The result equals the
-/// generic loop to rounding (tests/physics/test_fused_spheres.cpp), and is the same bits for every n.
+/// @file sphere_kernel.h  Contact of spheres, n contacts at a time. A first pass tests all pairs of a run and compacts
+/// those that touch into tiles of 32 contacts. Each tile passes short loops for motion, the laws (tile_passes.h) and
+/// sums, so that the processor works on several groups at once. The result equals that of the generic loop to rounding
+/// (tests/physics/test_fused_spheres.cpp), with the same bits for every n.
 #pragma once
 #include "laws/smooth/fused/sphere_look.h"
 #include "laws/smooth/fused/tile_passes.h"
@@ -57,7 +57,7 @@ EPAFI_LANES VectorsOf<typename LanesOf<n>::Real> predicted_apart(const SpherePla
   return out;
 }
 
-/// How they move against each other.
+/// Relative velocities.
 template <int n, bool remembers, bool wall, bool periodic>
 EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks::Block& block,
                              const SphereArrays& with) {
@@ -112,7 +112,7 @@ EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks
   find_radii<n, remembers, wall>(t, g, with, velocity, opening);
 }
 
-/// What a contact adds to the sum of A, and with the force turned round to that of B.
+/// Contribution of a contact to the sum of A, and with reversed force to that of B.
 template <int n, bool remembers>
 struct SumRow {
   using Two = LanesOf<2>::Real;
@@ -163,7 +163,7 @@ EPAFI_LANES void write_sum_rows(const VectorsOf<typename LanesOf<n>::Real>& forc
   }
 }
 
-/// Adds to sums; of B to the records of the tile where it lies in another block: where there are any.
+/// Adds to the sums; for B in another block to the records of the tile.
 template <int n, bool remembers, bool wall, bool periodic>
 EPAFI_LANES void add_forces(SphereTile<n>& t, std::size_t g, const SphereArrays& with, SphereRecord* records,
                             SpherePlace* record_places) {
@@ -196,8 +196,8 @@ EPAFI_LANES void add_forces(SphereTile<n>& t, std::size_t g, const SphereArrays&
   }
 }
 
-/// A run on its way through the loops. Whether it goes across to other blocks is asked for each tile: loops of their
-/// own for that were two fifths of what there is to compile, and a hundredth faster.
+/// A run during the loops. Whether it goes across blocks is tested for each tile: separate loops would be 1 % faster
+/// but two fifths of the code.
 template <int n, bool remembers, bool wall, bool periodic>
 struct SphereSweep {
   using Places = SphereSprings::Places;
@@ -210,7 +210,7 @@ struct SphereSweep {
   SphereTotals<n>& total;
   Places& places;  ///< of the block's springs
 
-  /// All pairs: those that touch act, those that touched let their springs go.
+  /// Processes all pairs: touching ones act, those that opened release their springs.
   template <int lanes>
   EPAFI_LANES void run() const {
     static_assert(lanes == n);
@@ -265,12 +265,12 @@ struct SphereSweep {
   }
 
  private:
-  /// Springs some tiles ahead: no processor asks for what lies in the next page by itself.
+  /// Prefetches springs some tiles ahead, since hardware prefetchers stop at page boundaries.
   EPAFI_LANES static void ask_for(const SphereSpring* springs) {
     for (std::uint32_t l = 0; l < eight; l += 2) __builtin_prefetch(springs + springs_ahead + l, 1);
   }
-  /// Springs are written over those of contacts before them. Where too many contacts begin, those that are not read
-  /// move up: of contacts from number `next` of the tile on, and from `place` on.
+  /// Springs overwrite those of earlier contacts. If too many contacts begin, unread springs move up: those of contacts
+  /// from number `next` of the tile on, and from `place` on.
   EPAFI_LANES void keep_unread(SphereTile<n>& t, Places& at, std::size_t next, std::uint32_t place,
                                const SphereArrays& with) const {
     const std::size_t written = std::min((t.count + eight - 1) / eight * eight, SphereTile<n>::most);
@@ -353,7 +353,7 @@ struct SphereSweep {
     }
   }
 
-  /// What the normal law remembers; to: null where no time passes, then of contacts that begin alone.
+  /// Memory of the normal law; to: null if no time passes, then only new contacts write.
   EPAFI_LANES void remember(const SphereTile<n>& t, const double* before, const double* now, double* to) const {
     for (std::size_t k = 0; k < t.count; ++k)
       if (to != nullptr)
@@ -365,8 +365,7 @@ struct SphereSweep {
       for (std::size_t k = 0; k < t.count; ++k) total.touching -= before[k] == 0.0 && now[k] == 0.0;
   }
 
-  /// What contacts among the eight from `first` on that have opened leave behind; read: place of the first one's
-  /// spring.
+  /// Releases the springs of opened contacts among the eight from `first` on; read: place of the first one's spring.
   EPAFI_LANES void release(std::size_t first, unsigned before, unsigned opened, std::uint32_t read) const {
     const auto stored = [](const Lanes& load) {
       return 0.5 * (load[0] * load[0] + load[1] * load[1] + load[2] * load[2]) * load[3];

@@ -90,7 +90,7 @@ struct SphereLook {
   EPAFI_LANES void begin(SphereTile<n>& t) const {
     if constexpr (wall) t.set_normal(-plane->normal);
   }
-  /// Those behind the last pair of the run are nowhere, and do not touch.
+  /// Rows after the last pair of the run hold NaN, and do not touch.
   EPAFI_LANES unsigned eight_from(SphereTile<n>& t, std::size_t k, const SphereArrays& with, unsigned held) const {
     unsigned now = 0;
     std::size_t at = t.count;
@@ -106,7 +106,7 @@ struct SphereLook {
   }
 };
 
-/// Where no time passes: contacts that begin get springs that are not loaded. from: see SphereSprings::choose.
+/// For dt = 0: gives new contacts unloaded springs. from: see SphereSprings::choose.
 void begin_contacts(SphereBlocks::Block& block, const SphereArrays& with, std::vector<std::uint32_t>& from);
 
 }  // namespace epafi

@@ -1,6 +1,6 @@
-/// @file sphere_springs.h  What those contacts of a block remember that touch: one behind the other in the order of the
-/// pairs, nothing of pairs that do not touch. A step reads them from the first on and writes them a few places further
-/// down, so that contacts that begin find room before those that are not read yet.
+/// @file sphere_springs.h  Memory of the touching contacts of a block, contiguous in the order of the pairs. A step
+/// reads them in order and writes them a few places lower, which leaves room for new contacts before those not yet
+/// read.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -16,37 +16,37 @@ struct alignas(32) SphereSpring {
   Lanes load;  ///< x y z on A [N] or [N m], 1/stiffness [m/N] or [rad/(N m)]; 0: not loaded
 };
 
-/// With dashpots beside springs, what a contact feels now is not what it remembers. Written where somebody may ask.
+/// Load of a contact, which differs from its memory if there are dashpots. Written only if an observer may read it.
 struct alignas(32) SphereLoads {
   Lanes friction, moment;  ///< x y z on A [N], [N m]; unused
 };
 
-/// What the parts of a law need.
+/// Needs of the parts of a law.
 struct SphereNeeds {
   bool friction = false;
   bool dashpots = false;  ///< beside the friction springs
   bool rolling = false;   ///< resistance to rolling, with springs and moments of its own
-  bool normal = false;    ///< the normal law remembers a number
+  bool normal = false;    ///< the normal law has memory (one number)
   bool bristles = false;  ///< friction is a row of bristles
   bool remembers() const { return friction || normal; }
-  /// Spins at the time of the detection are read, and loads differ from those of the springs.
+  /// True if spins at the time of the detection are needed and loads differ from those of the springs.
   bool damps_slip() const { return dashpots || rolling; }
 };
 
 class SphereSprings {
  public:
-  static constexpr std::uint32_t lead = 12;     ///< a third of it is for contacts that begin; see make_room
-  static constexpr std::uint32_t unloaded = 0;  ///< place of a spring that stays as it is
+  static constexpr std::uint32_t lead = 12;     ///< a third of it is for new contacts; see make_room
+  static constexpr std::uint32_t unloaded = 0;  ///< place of a spring that is never changed
   static constexpr std::uint32_t fresh = 0xffffffffu;
 
-  /// Where a step reads and writes next, and the next record across blocks.
+  /// Next places that a step reads and writes, and the next record across blocks.
   struct Places {
     std::uint32_t read = 0, write = 0, record = 0;
   };
 
   explicit SphereSprings(const SphereNeeds& needs) : needs_(needs) {}
   std::uint32_t count() const { return last_ - first_; }
-  /// Of the contact that touches as number `rank`.
+  /// Memory of the touching contact number `rank`.
   SphereSpring& friction(std::uint32_t rank) { return friction_[first_ + rank]; }
   const SphereSpring& friction(std::uint32_t rank) const { return friction_[first_ + rank]; }
   SphereSpring& rolling(std::uint32_t rank) { return rolling_[first_ + rank]; }
@@ -57,11 +57,11 @@ class SphereSprings {
   PackedBristles& bristles(std::uint32_t rank) { return bristles_[first_ + rank]; }
   const PackedBristles& bristles(std::uint32_t rank) const { return bristles_[first_ + rank]; }
 
-  /// The contacts are those that were number from[0], from[1] ... until now, or `fresh`: not loaded.
+  /// Renumbers: contact k was number from[k] before, or is `fresh` (not loaded).
   void choose(std::span<const std::uint32_t> from);
 
   Places begin_step();
-  /// Springs from `place` on, which the step has not read, move up; by how much.
+  /// Moves springs from `place` on, which the step has not read, up; returns by how many places.
   std::uint32_t make_room(std::uint32_t place);
   void end_step(Places now) {
     first_ -= lead;

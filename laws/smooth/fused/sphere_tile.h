@@ -30,7 +30,7 @@ struct SphereArrays {
   const Vec3* offsets = nullptr;  ///< by place of balls, from the centres of their bodies [m]; null: there are none
   std::size_t balls = 0;
 
-  /// As World::counts; with owner.
+  /// As World::counts; requires `owner`.
   bool counts(const SpherePlaces& pair) const {
     const std::uint8_t of_a = owner[pair.a.slot()];
     return (of_a == World::everywhere ? owner[pair.b.slot()] : of_a) == World::here;
@@ -102,7 +102,7 @@ struct SphereTile {
     V before;                  ///< the same as it comes into the step
     V energy;                  ///< twice its energy then [J]
     V shrink;                  ///< old compliance times stiffness
-    V3 start, load;            ///< as it comes into the step, and now [N]
+    V3 start, load;            ///< at the start of the step, and now [N]
     // what SphereTotals sums
     V elastic, viscous, lost, twice_stored, twice_slipped;
     V virial_x, virial_y, virial_z;
@@ -151,7 +151,7 @@ struct SphereTile {
       spring[begin] = (before & bit) != 0 ? read + bit_places.count[before & (bit - 1u)] : SphereSprings::unloaded;
     }
   }
-  /// Those of the first contacts are in a row that ends before place `end`.
+  /// Sets the springs of the first contacts to a contiguous row that ends before place `end`.
   EPAFI_LANES void name_row(std::size_t size, std::uint32_t end) {
     for (std::size_t k = 0; k < size; ++k) spring[k] = end - static_cast<std::uint32_t>(size - k);
     in_row = false;

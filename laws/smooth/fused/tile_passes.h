@@ -18,7 +18,7 @@ struct PassCall {
   double dt;            ///< [s]
 };
 struct NormalCall : PassCall {
-  const double* before;  ///< what the law remembers of the tile's contacts
+  const double* before;  ///< history of the tile's contacts
   double* now;
   double lag;  ///< from the middle of the step to the detection [s]; 0: no law damps
   bool tells_energy;

@@ -15,7 +15,7 @@ class VirialTerms {
   /// Where the next terms of an axis go, at most `most_at_once`; those behind the last one that counts are written
   /// over.
   double* next(std::size_t axis) { return kept_[axis] + count_; }
-  /// As many of them count.
+  /// Accepts the number of terms written.
   void advance(std::size_t terms) {
     count_ += terms;
     if (count_ + most_at_once > room) flush();

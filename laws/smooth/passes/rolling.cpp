@@ -12,7 +12,7 @@ namespace epafi {
 
 namespace {
 
-/// How the contacts of a tile slip and roll, and what they feel.
+/// Motion and loads of the contacts of a tile.
 template <int n>
 struct SphereRolling {
   using V = typename LanesOf<n>::Real;
@@ -53,7 +53,7 @@ EPAFI_LANES double square_of_arm(const Vec3& offset, double arm, const std::arra
   return square;
 }
 
-/// Motion of one side of n contacts, and how easily it gives.
+/// Motion and mobility of one side of n contacts.
 template <int n>
 struct SphereSide {
   using V = typename LanesOf<n>::Real;
@@ -134,7 +134,7 @@ EPAFI_LANES void add_moments(const SphereTile<n>& t, const SphereRolling<n>& r, 
   }
 }
 
-/// What the contacts of a tile feel, for those who look at them.
+/// Stores the loads of the contacts of a tile for observers.
 template <int n>
 [[gnu::noinline]] void tell_loads(const SphereTile<n>& t, const SphereRolling<n>& r, const RollingCall& call) {
   SphereLoads* const loads = call.block->springs.loads();

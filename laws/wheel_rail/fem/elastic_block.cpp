@@ -15,7 +15,7 @@ using std::numbers::pi;
 
 using Strains = Eigen::Matrix<double, 6, 24>;
 
-/// Isotropic elasticity, strains with whole shear angles.
+/// Stiffness matrix of isotropic elasticity for engineering shear strains.
 Eigen::Matrix<double, 6, 6> elasticity(double E, double nu) {
   Eigen::Matrix<double, 6, 6> C = Eigen::Matrix<double, 6, 6>::Zero();
   const double lambda = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), G = E / (2.0 * (1.0 + nu));
@@ -52,7 +52,7 @@ Strains strains_at(const double (&xi)[3], const double (&size)[3]) {
   return B;
 }
 
-/// By 2 x 2 x 2 Gauss points.
+/// Element stiffness, integrated by 2 x 2 x 2 Gauss points.
 Stiffness element_stiffness(double hx, double hy, double hz, double E, double nu) {
   const Eigen::Matrix<double, 6, 6> C = elasticity(E, nu);
   Stiffness K = Stiffness::Zero();
@@ -71,7 +71,7 @@ std::array<double, 3> boussinesq(double x, double y, double z, double E, double 
   return {side * x, side * y, s * (z * z / (R * R * R) + 2.0 * (1.0 - nu) / R)};
 }
 
-/// Planes: equal steps over [-a, a], then growing to the reach.
+/// Coordinates of grid planes: equal steps over [-a, a], then growing ones up to the reach.
 std::vector<double> planes(double centre, double a, int cells, double growth, double reach) {
   std::vector<double> out;
   const double h = 2.0 * a / cells;
@@ -103,14 +103,14 @@ BlockMesh make_block_mesh(double cx, double cy, double ax, double ay, int across
 
 namespace {
 
-/// The block's equations with its far faces held as Boussinesq's half-space moves under a unit force in the middle of
-/// the candidates.
+/// The block's equations. Its far faces are displaced as Boussinesq's half-space is by a unit force in the middle of
+/// the candidate nodes.
 struct BlockSystem {
   const BlockMesh& m;
   std::size_t nx, ny, nz;
-  std::vector<int> number;    ///< of free nodes, -1 on far faces
+  std::vector<int> number;    ///< number of each free node, -1 on far faces
   std::vector<double> given;  ///< displacement of far nodes per force [m/N]
-  Eigen::VectorXd far_load;   ///< of those on the free nodes, per force
+  Eigen::VectorXd far_load;   ///< load on free nodes by these displacements, per force
   SparseFactor solver;
 
   BlockSystem(const BlockMesh& mesh, double E, double nu)
@@ -134,7 +134,7 @@ struct BlockSystem {
   std::size_t corner(std::size_t i, std::size_t j, std::size_t k, std::size_t n) const {
     return node(i + (n & 1), j + (n >> 1 & 1), k + (n >> 2));
   }
-  /// Of a candidate's displacement along z.
+  /// Degree of freedom of a candidate node along z.
   int dof(std::size_t c) const {
     const std::size_t width = m.ix1 - m.ix0;
     return 3 * number[node(m.ix0 + c % width, m.iy0 + c / width, 0)] + 2;

@@ -9,12 +9,12 @@ namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-constexpr std::size_t finer = 6;  // of the other surface: its chords then lie within 4e-4 of the approach
+constexpr std::size_t finer = 6;  // refinement of the other surface: its chords then lie within 4e-4 of the approach
 constexpr int most_evaluations = 6;
-constexpr double settled = 1e-9;  // of the approach: what the last round may move a node by
+constexpr double settled = 1e-9;  // relative to the approach: largest motion of a node in the last iteration
 
-/// Two triangles per cell of a grid of nodes that begins at `first`; left out where a corner is no number. Seen from +z
-/// they run counter-clockwise where `up`.
+/// Adds two triangles per cell of a grid of nodes that begins at `first`; cells with a NaN corner are left out. up:
+/// counter-clockwise as seen from +z.
 void add_grid(std::span<const Vec3> at, std::uint32_t first, std::size_t nx, std::size_t ny, bool up,
               std::vector<Triangle>& out) {
   const auto add = [&](std::uint32_t p, std::uint32_t q, std::uint32_t r) {
@@ -46,7 +46,7 @@ MeshGaps::MeshGaps(const BlockMesh& mesh, const GapSource& source, const Contact
   for (std::size_t j = 0; j < h.ny; ++j)
     for (std::size_t i = 0; i < h.nx; ++i) rest_.push_back({cx + h.x(i), cy + h.y(j), -h.at(i, j)});
   std::vector<Triangle> other, own;
-  add_grid(rest_, static_cast<std::uint32_t>(candidates_), h.nx, h.ny, true, other);  // looks into the block
+  add_grid(rest_, static_cast<std::uint32_t>(candidates_), h.nx, h.ny, true, other);  // normal points into the block
   add_grid(rest_, 0, nx, ny, false, own);
   incomplete_ = other.empty();
   if (!incomplete_) gaps_ = source.gaps_between(method, rest_, other, own, infinity);
@@ -69,7 +69,7 @@ SurfaceProblem MeshGaps::linearise(const Eigen::MatrixXd& W, const Eigen::Vector
     std::size_t own = 0;
     for (std::uint32_t r = rows_.begin[c]; r < rows_.begin[c + 1]; ++r) {
       const auto k = static_cast<Eigen::Index>(rows_.node[r]);
-      if (k >= candidates_) continue;  // of the rigid surface: they all move by the approach
+      if (k >= candidates_) continue;  // nodes of the rigid surface all move by the approach
       node[own] = k;
       shape[own++] = rows_.weight[r];
       at_rest -= nz * rows_.weight[r] * (displacement[k] - approach);

@@ -16,7 +16,7 @@ class MeshGaps {
   MeshGaps(const BlockMesh& mesh, const GapSource& source, const ContactRegion& region, GapMethod method);
   /// Contact to this target. W: inward displacement of the candidates per force on each [m/N].
   SurfaceContact solve(const Eigen::MatrixXd& W, const NormalTarget& target, Enforcement method, double penalty);
-  /// Of the last solution, on the candidates, into the block [N].
+  /// Forces of the last solution on the candidate nodes, into the block [N].
   const Eigen::VectorXd& force() const { return force_; }
   /// The other surface is missing over some candidate.
   bool incomplete() const { return incomplete_; }

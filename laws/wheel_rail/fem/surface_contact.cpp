@@ -9,7 +9,7 @@ namespace epafi {
 namespace {
 
 constexpr int most_rounds = 100, most_augmentations = 60;
-constexpr double closed = 1e-10;  // of the approach: what augmentation leaves of the penetration
+constexpr double closed = 1e-10;  // penetration after augmentation, relative to the approach
 
 /// One active-set solution with compliance c = 1/penalty in series (0: rigid) and multipliers `held` already applied.
 bool solve_active(const SurfaceProblem& s, const NormalTarget& target, double c, const Eigen::VectorXd& held,

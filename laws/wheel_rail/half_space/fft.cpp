@@ -86,7 +86,7 @@ void radix4(const Pass& a) {
   }
 }
 
-/// Blocks of lanes, shared out to threads where there is enough to do: a fork costs as much as 2000 points.
+/// Calls f for blocks of lanes, in threads where the work pays for them: a fork costs as much as 2000 points.
 template <class F>
 void for_blocks(std::size_t lines, std::size_t n, const F& f) {
   if (lines * n >= 65536)

@@ -8,7 +8,7 @@
 namespace epafi {
 namespace {
 
-constexpr std::size_t coarsest = 24;  // cells along the shorter side below which no coarser grid is worth its set-up
+constexpr std::size_t coarsest = 24;  // cells along the shorter side of the coarsest multigrid level
 constexpr int most_iterations = 500;
 
 double sum_of(std::span<const double> v) {
@@ -52,7 +52,7 @@ double update_gap(ActiveSet& a, std::span<const double> h, const NormalTarget& t
   return approach;
 }
 
-/// Sum of g^2 over contact; t becomes conjugate to the last direction.
+/// Returns the sum of g^2 over contact; makes t conjugate to the last direction.
 double new_direction(ActiveSet& a, double last, bool keep) {
   double G = 0.0;
   for (std::size_t i = 0; i < a.p.size(); ++i)
@@ -83,7 +83,7 @@ double step_length(ActiveSet& a, bool by_force) {
   return rt > 0.0 ? gt / rt : 0.0;
 }
 
-/// Moves p, drops cells that pull, takes in cells that overlap. True if the set of cells in contact only shrank.
+/// Moves p along t, drops cells in tension, adds cells that overlap. True if the set of cells in contact only shrank.
 bool move_pressures(ActiveSet& a, double tau) {
   bool same = true;
   for (std::size_t i = 0; i < a.p.size(); ++i) {
@@ -97,7 +97,7 @@ bool move_pressures(ActiveSet& a, double tau) {
   return same;
 }
 
-/// The convolution, group by group where regions press on each other with a share of it.
+/// Displacements by convolution; group by group where the influence between regions is reduced by a factor.
 class Yielding {
  public:
   Yielding(const PatchGrid& grid, const ElasticPair& pair, const Separation& apart)
@@ -122,11 +122,11 @@ class Yielding {
   PatchGrid grid_;
   PressureKernel kernel_;
   const Separation& apart_;
-  std::vector<std::size_t> group_;  ///< of each row
+  std::vector<std::size_t> group_;  ///< region of each row
   std::vector<double> one_, part_;
 };
 
-/// What is the same on all grids.
+/// Data shared by all grid levels.
 struct ElasticTask {
   const ElasticPair& pair;
   const NormalTarget& target;

@@ -21,7 +21,7 @@ struct HalfSpaceNormal {
   SolverReport report;        ///< residual: change of pressure in the last iteration, relative
 };
 
-/// What is prescribed.
+/// Prescribed force or approach.
 struct NormalTarget {
   bool by_force = true;
   double value = 0.0;  ///< force [N] or approach [m]

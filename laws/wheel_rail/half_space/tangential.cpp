@@ -12,7 +12,7 @@ namespace {
 constexpr int most_newton = 60;
 constexpr int restart = 60, most_products = 240;
 
-/// s(q) = free + K q on the cells in contact: what must vanish in stick and oppose the traction in slip.
+/// Slip s(q) = free + K q on the cells in contact: zero in stick, opposite to the traction in slip.
 struct SlipProblem {
   TractionKernel& kernel;
   const std::vector<double>& bound;
@@ -53,7 +53,7 @@ void project_on_disk(double& x, double& y, double radius) {
   }
 }
 
-/// F = q - P(q - R s): the residual of stick and slip; fills the derivative of P by cell. Returns its norm over that of
+/// Residual F = q - P(q - R s) of stick and slip; also fills the derivative of P by cell. Returns |F| over the norm of
 /// the bounds.
 double natural_map(const SlipProblem& p, const std::vector<double>& q, const std::vector<double>& s, double R,
                    std::vector<double>& F, std::vector<DiskDerivative>& D) {
@@ -77,8 +77,8 @@ double natural_map(const SlipProblem& p, const std::vector<double>& q, const std
   return size > 0.0 ? std::sqrt(sum / size) : 0.0;
 }
 
-/// Newton on the natural map from q; q ends on the solution. Steps that leave the disk are projected back onto it; a
-/// step that makes the residual grow is halved, at most twice (from a start on a coarser grid it hardly ever is).
+/// Newton's method on the natural map; q: start, then solution. Steps that leave the disk are projected onto it; a step
+/// that increases the residual is halved at most twice (rare after a start from a coarser grid).
 SolverReport newton(SlipProblem& p, std::vector<double>& q, std::vector<double>& s, double tolerance) {
   const std::size_t n = q.size();
   const double R = 1.0 / p.kernel.self();
@@ -118,7 +118,7 @@ SolverReport newton(SlipProblem& p, std::vector<double>& q, std::vector<double>&
   return report;
 }
 
-/// Runs Newton and gathers the fields; per: what slip is divided by (the rolled distance).
+/// Runs Newton's method and collects the fields; per: rolled distance by which slip is divided.
 HalfSpaceTangential solve(SlipProblem& p, const PatchGrid& grid, const TangentialField* start, double per,
                           double tolerance) {
   const std::size_t n = p.cells.size();
@@ -128,7 +128,7 @@ HalfSpaceTangential solve(SlipProblem& p, const PatchGrid& grid, const Tangentia
     if (start && start->size() == grid.size()) {
       q[2 * c] = start->x[p.cells[c]];
       q[2 * c + 1] = start->y[p.cells[c]];
-    } else {  // all slides against the rigid slip
+    } else {  // full slip, against the rigid slip
       const double size = std::hypot(p.free[2 * c], p.free[2 * c + 1]);
       if (size > 0.0) {
         q[2 * c] = -g * p.free[2 * c] / size;
@@ -162,7 +162,7 @@ HalfSpaceTangential solve(SlipProblem& p, const PatchGrid& grid, const Tangentia
   return out;
 }
 
-/// Rigid slip over one cell, where the difference of displacements is taken: half a cell ahead of the centre.
+/// Rigid slip over one cell, half a cell ahead of the centre, where the difference of displacements is taken.
 void set_rigid_slip(SlipProblem& p, const PatchGrid& grid, const Creepage& c) {
   for (std::size_t k = 0; k < p.cells.size(); ++k) {
     const double x = grid.x(p.cells[k] % grid.nx) + 0.5 * grid.dx, y = grid.y(p.cells[k] / grid.nx);
@@ -171,8 +171,8 @@ void set_rigid_slip(SlipProblem& p, const PatchGrid& grid, const Creepage& c) {
   }
 }
 
-/// Tractions if nothing slid: their singular edge is cut off later. From full slip Newton does not find a narrow ring
-/// of slip.
+/// Start values: tractions of full stick; the bound later cuts off their singular edge. From full slip Newton's method
+/// does not find a narrow ring of slip.
 TangentialField stuck_tractions(SlipProblem& p) {
   std::vector<double> b = p.free, q;
   for (double& v : b) v = -v;
@@ -186,7 +186,7 @@ TangentialField stuck_tractions(SlipProblem& p) {
   return out;
 }
 
-/// Tractions of a grid half as fine as bilinear start values.
+/// Start values: tractions of a grid of half the resolution, interpolated bilinearly.
 TangentialField refine(const TangentialField& coarse, const PatchGrid& from, const PatchGrid& to) {
   TangentialField fine(to.size());
   const auto at = [&](const std::vector<double>& v, std::ptrdiff_t x, std::ptrdiff_t y) {
@@ -221,7 +221,7 @@ HalfSpaceTangential solve_steady_rolling(const TractionBound& b, const ElasticPa
 
 namespace {
 
-/// One cell of rolling by kernels made once.
+/// One rolling step of one cell, with kernels made once.
 HalfSpaceTangential roll_on(TractionKernel& here, TractionKernel& ahead, const TractionBound& b,
                             const Creepage& creepage, const TangentialField& before, double tolerance) {
   SlipProblem p(here, b);
@@ -238,9 +238,9 @@ HalfSpaceTangential roll_on(TractionKernel& here, TractionKernel& ahead, const T
   return solve(p, b.grid, rolled ? &before : nullptr, b.grid.dx, tolerance);
 }
 
-/// Limit of two grids whose error is of first order; Coulomb holds for it too. Half its distance to the fine one, over
-/// the bound, is the error, and not less than what the steps of the patch's edge make of it: the two grids may agree by
-/// chance (ellipses of a/b = 0.6 and 0.8 on 32 cells: to 1e-4 where 1e-2 was missing).
+/// Richardson limit of two grids with error of first order, within Coulomb's bound. The error estimate, relative to the
+/// bound, is half its distance to the fine grid, but at least that of the stepped edge of the patch: two grids may
+/// agree by chance (ellipses of a/b = 0.6 and 0.8 on 32 cells: to 1e-4 at an error of 1e-2).
 double set_limit(const TractionBound& b, const PatchForce& fine, const PatchForce& coarse, PatchForce& limit) {
   limit = {2.0 * fine.fx - coarse.fx, 2.0 * fine.fy - coarse.fy, 2.0 * fine.mz - coarse.mz};
   double size = 0.0;
@@ -251,7 +251,8 @@ double set_limit(const TractionBound& b, const PatchForce& fine, const PatchForc
     limit.fy *= size / length;
   }
   if (!(size > 0.0)) return 0.0;
-  constexpr double edge = 0.7;  // of a force that vanishes, times the cells along the shorter side
+  constexpr double edge =
+      0.7;  // error by the stepped edge for a vanishing force, times the cells along the shorter side
   const double share = std::min(1.0, length / size), cells = static_cast<double>(std::min(b.grid.nx, b.grid.ny));
   return std::max(0.5 * std::hypot(limit.fx - fine.fx, limit.fy - fine.fy) / size,
                   edge / cells * share * (1.0 - share));
@@ -308,8 +309,8 @@ ExtrapolatedRolling solve_extrapolated(const BoundLevels& levels, const ElasticP
   EPAFI_REQUIRE(!levels.empty(), "a grid");
   ExtrapolatedRolling out;
   PatchForce last;
-  constexpr double little = 0.1;  // of the bound: nearly all sticks
-  constexpr double least = 1e-6;  // of the bound: what rounding leaves
+  constexpr double little = 0.1;  // relative to the bound: nearly full stick
+  constexpr double least = 1e-6;  // relative to the bound: rounding error
   const double tolerance = 1e-5 * std::clamp(saturation, least, 1.0);
   const TangentialField nothing(levels[0].grid.size());
   for (std::size_t k = 0; k < levels.size(); ++k) {

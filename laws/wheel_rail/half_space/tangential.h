@@ -12,7 +12,7 @@
 
 namespace epafi {
 
-/// What bounds the traction on a grid: mu times the mean pressure of each cell [Pa]; 0 outside contact.
+/// Bound of the traction on a grid: mu times the mean pressure of each cell [Pa]; 0 outside contact.
 struct TractionBound {
   PatchGrid grid;
   std::vector<double> bound;

@@ -38,7 +38,7 @@ double half_disk(double x, double A) {
 TractionBound ellipse_level(Ellipse e, double normal_force, double friction, std::size_t nx, std::size_t ny) {
   TractionBound b{{nx, ny, 2.0 * e.a / static_cast<double>(nx), 2.0 * e.b / static_cast<double>(ny)}, {}};
   b.bound.assign(nx * ny, 0.0);
-  constexpr int lines = 8;  // of a row, for the mean over y; along x the mean is exact
+  constexpr int lines = 8;  // lines per row for the mean over y; along x the mean is exact
   double sum = 0.0;
   for (std::size_t j = 0; j < ny; ++j) {
     for (int l = 0; l < lines; ++l) {
@@ -78,7 +78,7 @@ TractionBound pressure_level(const PatchGrid& grid, std::span<const double> pres
   return b;
 }
 
-/// Grids down to this many cells along the shorter side.
+/// Grid levels down to this many cells along the shorter side.
 constexpr std::size_t coarsest_bound = 8;
 
 std::vector<PatchGrid> levels_of(PatchGrid grid) {

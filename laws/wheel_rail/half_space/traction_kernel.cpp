@@ -10,7 +10,7 @@ TractionKernel::TractionKernel(const PatchGrid& grid, const ElasticPair& pair, K
     : grid_(grid), along_x_(fft_size(2 * grid.nx + 1)), along_y_(fft_size(2 * grid.ny)) {
   const std::size_t px = along_x_.size(), py = along_y_.size();
   const auto nx = static_cast<std::ptrdiff_t>(grid.nx), ny = static_cast<std::ptrdiff_t>(grid.ny);
-  std::vector<Influence> at((grid.nx + 1) * grid.ny);  // of offsets 0 .. nx, 0 .. ny - 1; the rest by symmetry
+  std::vector<Influence> at((grid.nx + 1) * grid.ny);  // for offsets 0 .. nx, 0 .. ny - 1; others by symmetry
   parallel_for(
       grid.ny,
       [&](std::size_t j) {

@@ -1,6 +1,6 @@
 // Finite elements: a graded block of trilinear hexahedra, contact at its nodes (node-to-surface) or integrated over
-// them (surface-to-surface). The reference that needs no half-space kernel; a thousand times dearer than boundary
-// elements at the same error.
+// them (surface-to-surface). A reference without a half-space kernel; a thousand times slower than boundary elements at
+// the same error.
 #include <algorithm>
 #include <cmath>
 
@@ -12,16 +12,16 @@
 namespace epafi {
 namespace {
 
-constexpr int default_across = 8;  // elements over the shorter axis: 1 s; 12 take 6 s and gain little
-constexpr int most_across = 24;    // take minutes
-constexpr double margin = 1.25;    // of the estimated patch
+constexpr int default_across = 8;  // elements over the shorter axis: 1 s; 12 take 6 s for little gain
+constexpr int most_across = 24;    // runs for minutes
+constexpr double margin = 1.25;    // relative to the estimated patch
 constexpr double reach = 6.0;
-/// Of elements outside the patch from one to the next. A finer mesh is graded more gently, or its error would stop at
-/// that of the grading: with 1.5 throughout the peak stays 0.9 % high however fine the patch.
+/// Growth of element size outside the patch. A finer mesh grows more slowly, else the grading limits its error: with
+/// 1.5 throughout, the peak stays 0.9 % high at any resolution of the patch.
 double growth_of(int across) { return std::pow(1.5, static_cast<double>(default_across) / across); }
 
-/// Over the shorter axis, of this width [m]. The grid of a case is that of boundary elements: one too fine for finite
-/// elements is left for the default one, with a note.
+/// Elements over the shorter axis of this width [m]. The grid of a case is meant for boundary elements; where it is too
+/// fine for finite elements the default is used, with a note.
 int elements_across(const NormalInput& in, double width, NormalPatch& p) {
   const double cell = std::min(in.dx, in.dy);
   if (!(cell > 0.0)) return default_across;
@@ -40,7 +40,7 @@ std::vector<double> set_place(const BlockMesh& mesh, const MeshGaps& gaps, const
   for (Eigen::Index k = 0; k < tributary.size(); ++k) {
     const auto c = static_cast<std::size_t>(k);
     const double f = gaps.force()[k], x = mesh.candidate_x(c), y = mesh.candidate_y(c);
-    pressure[c] = f / tributary[k];  // nodal values of pressures integrated over the surface swing from node to node
+    pressure[c] = f / tributary[k];  // nodal values of pressures over the surface oscillate from node to node
     sx += f * x;
     sy += f * y;
     sxx += f * x * x;
@@ -55,7 +55,7 @@ std::vector<double> set_place(const BlockMesh& mesh, const MeshGaps& gaps, const
 }
 
 std::vector<RegionPatch> solve(const NormalInput& in, Enforcement method, bool over_surface) {
-  RegionPatch out = solve_semi_hertz(in).front();  // where the patch is and how large
+  RegionPatch out = solve_semi_hertz(in).front();  // position and size of the patch
   NormalPatch& p = out.patch;
   const Ellipse e = p.ellipse;
   const double E = in.elastic.effective_modulus(), nu = in.elastic.poissons_ratio, cx = p.centre_x, cy = p.centre_y;
@@ -65,7 +65,7 @@ std::vector<RegionPatch> solve(const NormalInput& in, Enforcement method, bool o
   const BlockMesh mesh = make_block_mesh(cx, cy, margin * e.a, margin * e.b, across, growth_of(across), reach);
   const Eigen::MatrixXd W = surface_flexibility(mesh, E * (1.0 - nu * nu), nu), M = surface_mass(mesh);
   const Eigen::VectorXd tributary = M.rowwise().sum();
-  // by default a thousandth of the elastic compliance, either way
+  // default penalty compliance: 1/1000 of the elastic one, for both discretisations
   const double penalty = over_surface ? 10.0 * in.penalty * E / e.a : in.penalty * E * e.a;
   MeshGaps gaps(mesh, in.source, in.regions.front(),
                 over_surface ? GapMethod::surface_to_surface : GapMethod::node_to_surface);
@@ -84,7 +84,7 @@ std::vector<RegionPatch> solve(const NormalInput& in, Enforcement method, bool o
     p.stress = std::make_shared<const BlockStress>(block_stresses(mesh, E * (1.0 - nu * nu), nu, gaps.force()));
   // measured against Hertz: 1 % in peak and approach from 8 elements on, up to 1.6 % in the peak over the surface
   p.error_estimate = (over_surface ? 0.02 : 0.01) * std::max(1.0, 64.0 / (across * across));
-  // two hills of pressure take more elements: what strips find beside (10 % of S1002 on UIC60 under 82.5 kN)
+  // two pressure peaks need more elements than one (10 % off for S1002 on UIC60 under 82.5 kN)
   if (peak_by_strips > 0.0)
     p.error_estimate = std::max(p.error_estimate, std::abs(p.max_pressure / peak_by_strips - 1.0));
   if (!s.report.converged)

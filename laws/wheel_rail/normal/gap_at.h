@@ -7,7 +7,7 @@
 
 namespace epafi {
 
-/// What a strip at one place across the track needs to know.
+/// Gap and curvature for a strip at one lateral position.
 struct GapAt {
   double gap;        ///< [m]
   double curvature;  ///< along the track [1/m]

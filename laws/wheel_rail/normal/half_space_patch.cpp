@@ -8,18 +8,18 @@ namespace epafi {
 namespace {
 
 constexpr double default_cells = 32.0;  // along the shorter axis
-constexpr std::size_t multiple = 8;     // so that three coarser grids exist
+constexpr std::size_t multiple = 8;     // for three coarser grids
 constexpr double most_default = 16384;  // cells of a grid chosen by default: 32 across, 16 times as long
-constexpr double longest = 1.0;         // of any patch [m]: a wheel is no longer
-constexpr double most_cells = 4e6;      // of any grid: 2 GB
+constexpr double longest = 1.0;         // length of any patch [m]: a wheel is not longer
+constexpr double most_cells = 4e6;      // of any grid: needs 2 GB
 
 /// A window of the tangent plane of the deepest region.
 struct Window {
   double x0, x1, y0, y1;
 };
 
-/// Where the undeformed surfaces would interpenetrate at this approach; twice the Hertzian one holds every elastic
-/// patch.
+/// Window in which the undeformed surfaces interpenetrate at this approach; at twice the Hertzian approach it contains
+/// every elastic patch.
 Window interpenetration(const NormalInput& in, double approach) {
   const ContactRegion& r = in.regions.front();
   const double a = std::sqrt(2.0 * approach / r.curvature_x);
@@ -50,14 +50,14 @@ HalfSpaceNormal solve_in(const NormalInput& in, const Window& w, double dx, doub
   return solve_half_space_normal({nx, ny, dx, dy}, f.gap, in.elastic, in.target, 1e-6, apart.shifted(cy));
 }
 
-/// Shifted by less than a cell, so that one cell has its middle in the plane's origin: narrow patches then count their
-/// cells as the reference does, and alike from both sides of the track.
+/// Shifted by less than a cell so that a cell is centred at the plane's origin: narrow patches then have the cells of
+/// the reference, and the same ones on both sides of the track.
 double aligned(double low, double high, double cell) {
   const double middle = 0.5 * (low + high);
   return (std::round(middle / cell - 0.5) + 0.5) * cell - middle;
 }
 
-/// Box of the cells in contact with one cell around; false if it meets the edge of the grid.
+/// Bounding box of the cells in contact, extended by one cell; false if it meets the edge of the grid.
 bool contact_box(const HalfSpaceNormal& s, double cx, double cy, Window& w) {
   std::size_t i0 = s.grid.nx, i1 = 0, j0 = s.grid.ny, j1 = 0;
   for (std::size_t k = 0; k < s.pressure.size(); ++k) {
@@ -80,8 +80,8 @@ RegionPatch unsolved(std::string why) {
   return none;
 }
 
-/// Those that the case writes, else square ones of which the shorter side has 32; longer along a patch so slender that
-/// there would be too many (many narrow patches side by side, on noise).
+/// Cells of the case, else square ones, 32 along the shorter side; elongated along a patch so slender that there would
+/// be too many (many narrow patches side by side, on noise).
 std::pair<double, double> cell_sizes(const NormalInput& in, const Window& w, double shorter) {
   double dx = shorter / default_cells, dy = dx;
   const double cells = (w.x1 - w.x0) / dx * ((w.y1 - w.y0) / dy);
@@ -131,10 +131,10 @@ std::vector<RegionPatch> solve_half_space(const NormalInput& in) {
   const double B = std::max(0.5 * r.curvature_y, 0.02 * r.curvature_x), E = in.elastic.effective_modulus();
   double approach =
       in.target.by_force ? hertz_of_force(0.5 * r.curvature_x, B, E, in.target.value).approach : in.target.value;
-  // without deformation regions are nearer: their distance is that at the approach of this load, not of the window
+  // undeformed regions are nearer to each other: take their distance at the approach of this load, not of the window
   const Separation apart(overlaps_of(r.profile, in.approach > 0.0 ? in.approach : approach), in.influence);
   Window w = interpenetration(in, approach);
-  // a gap that opens faster than its curvature at the rigid point says (noise, a kink) overlaps farther down
+  // a gap that opens faster than by its curvature at the rigid point (noise, a kink) overlaps only at a larger approach
   double farther = std::max(approach, in.approach);
   for (int n = 0; n < 20 && !(w.x1 > w.x0 && w.y1 > w.y0); ++n, farther *= 2.0) w = interpenetration(in, farther);
   if (!(w.x1 > w.x0 && w.y1 > w.y0)) return {unsolved("nothing overlaps: the samples of the gap stay open")};
@@ -154,7 +154,7 @@ std::vector<RegionPatch> solve_half_space(const NormalInput& in) {
   RegionPatch out;
   NormalPatch& p = out.patch;
   set_solution(s, w, p);
-  // second order: on 16 cells across the peak of a Hertzian patch is 3e-4 off
+  // second order: on 16 cells the peak of a Hertzian patch is 3e-4 off
   const double across = 2.0 * std::min(p.ellipse.a / dx, p.ellipse.b / dy);
   p.error_estimate = 0.1 / (across * across) + s.report.residual;
   if (!s.report.converged)

@@ -43,7 +43,7 @@ void check_hertz_range(const ContactRegion& region, const NormalPatch& patch, st
 }
 
 void check_second_region(const NormalInput& in, NormalPatch& patch, double beyond) {
-  // the wheel comes down along z: what one region is pressed in along its normal, another is by the ratio of cosines
+  // the wheel moves along z: the approaches of two regions along their normals have the ratio of the cosines
   const double depth = patch.approach / std::cos(in.regions.front().angle);
   for (std::size_t k = 1; k < in.regions.size(); ++k) {
     if (!(in.regions[k].offset < depth * std::cos(in.regions[k].angle))) continue;

@@ -20,7 +20,7 @@ struct HertzContact {
 
 /// Gap h = A x^2 + B y^2, A and B [1/m] > 0; E* [Pa]. Of force N [N] >= 0.
 HertzContact hertz_of_force(double A, double B, double effective_modulus, double normal_force);
-/// Of approach [m] >= 0.
+/// The Hertzian contact at an approach [m] >= 0.
 HertzContact hertz_of_approach(double A, double B, double effective_modulus, double approach);
 /// The Hertzian contact that has this ellipse under force N; A and B follow.
 HertzContact hertz_of_ellipse(Ellipse ellipse, double effective_modulus, double normal_force);

@@ -1,7 +1,7 @@
-// Virtual penetration (Kik and Piotrowski 1996): the patch is where the undeformed surfaces overlap at 0.55 of the
-// approach, its axes corrected to those of Hertz for the curvature that this overlap is wide (in the spirit of
-// Piotrowski and Kik 2008); pressures are half ellipses along the track, scaled so that the displacement at the rigid
-// contact point is the approach. No iteration over the patch. Exact where the gap is a parabola.
+// Virtual penetration (Kik and Piotrowski 1996): the patch is the overlap of the undeformed surfaces at 0.55 of the
+// approach. Its axes are corrected to those of Hertz for the mean curvature of this overlap (as Piotrowski and Kik
+// 2008). Pressures are half ellipses along the track, scaled so that the displacement at the rigid contact point is the
+// approach. No iteration over the patch; exact for a parabolic gap.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -19,21 +19,21 @@ constexpr double share = 0.55;  // of the approach, as the authors chose it
 // S1002 on UIC60: 0.153 at the jump (approach 5 %, area 11 % off), 0.087 at 1 mm on the flange's side (peak 4 % off);
 // at all other places of the tread below 0.042 with the peak within 0.8 %
 constexpr double most_misfit = 0.06;
-/// Of the approach, root mean square over the patch: what its pressures may leave of closing the gap. Over 226 random
-/// pairs of profiles (worn wheels, waves, cants, shifts, 1 to 200 kN) the peak is off by less than 2.7 % below it and
-/// by up to 12 % at 0.025, 29 % at 0.05.
+/// Largest residual gap under the pressures, root mean square over the patch, relative to the approach. Over 226 random
+/// pairs of profiles (worn wheels, waves, cants, shifts, 1 to 200 kN) the peak is off by less than 2.7 % below it, up
+/// to 12 % at 0.025 and 29 % at 0.05.
 constexpr double most_gap_left = 0.01;
 
 struct Penetration {
   double force = 0.0, peak = 0.0, area = 0.0, longest = 0.0;
-  double misfit = 0.0;  ///< area between the overlap and the ellipse that it is taken for, over its own
+  double misfit = 0.0;  ///< area between the overlap and its ellipse, relative to the overlap
 };
 
 struct Strip {
   double y, half_length, width;
 };
 
-/// Strips where the surfaces overlap: at least 24 over each region, for a flange patch is five samples wide.
+/// Strips over the overlap: at least 24 over each region, since a flange patch is only five profile samples wide.
 std::vector<Strip> overlap(const ContactRegion& r, double depth) {
   const double half = std::sqrt(2.0 * depth / std::max(r.curvature_y, 1e-9));
   const std::vector<OverlapRange> ranges =
@@ -64,7 +64,7 @@ Penetration penetrate(const ContactRegion& r, double approach, double modulus,
   }
   if (!(area > 0.0)) return out;
   middle /= area;
-  // the ellipse of this area and length, and Hertz' own for the curvatures that would overlap so
+  // the ellipse of this area and length, and the Hertz ellipse for the curvatures of that overlap
   const double wide = area / (pi * out.longest), A = 0.5 * r.curvature_x, B = share * approach / (wide * wide);
   const Ellipse hertz = hertz_of_approach(A, B, modulus, approach).ellipse;
   const double along = hertz.a / std::sqrt(share * approach / A), across = hertz.b / wide;
@@ -90,7 +90,7 @@ Penetration penetrate(const ContactRegion& r, double approach, double modulus,
   return out;
 }
 
-/// Approach at which the force is met, by secants in its 2/3 power, which is nearly proportional to the approach.
+/// Approach for a given force, by secants in force^(2/3), which is nearly proportional to the approach.
 double approach_of(const ContactRegion& r, double force, double modulus) {
   double low = 0.0, high = 1e-6;
   while (penetrate(r, high, modulus).force < force && high < 1e-2) {

@@ -20,15 +20,15 @@ std::vector<RegionPatch> solve_half_space(const NormalInput& in);  ///< half_spa
 /// Largest change of the gap against its osculating parabola over the patch, relative to the gap at the patch's edge:
 /// about the error of Hertz' peak, measured against boundary elements on S1002/UIC60.
 double distortion(const ContactRegion& region, double half_width);
-/// How far strips' middles run along the track over the width of a patch, over its length: 0.16 on the flange of a
-/// yawed wheel, where strips and ellipses that lie straight miss 1 to 3 % of the peak.
+/// Shift of the strip centres along the track over the width of a patch, relative to its length: 0.16 on the flange of
+/// a yawed wheel, where strips and ellipses along the track are 1 to 3 % off in the peak.
 double askew(const ContactRegion& region, double half_width, double half_length);
-/// Surfaces that turn over the patch: no half-spaces.
+/// Adds a reason for surfaces that rotate over the patch: no half-spaces.
 void check_conformal(const ContactRegion& region, const NormalPatch& patch, std::vector<std::string>& reasons);
-/// Where Hertz' theory leaves its range: conformal surfaces, curvature that changes over the patch.
+/// Adds reasons why Hertz theory is out of its range: conformal surfaces, curvature that changes over the patch.
 void check_hertz_range(const ContactRegion& region, const NormalPatch& patch, std::vector<std::string>& reasons);
-/// For models of one patch: another region, farther than `beyond` [m], that would touch before this one is
-/// compressed as far.
+/// For models of one patch: adds a reason where another region, farther than `beyond` [m], would touch at this
+/// approach.
 void check_second_region(const NormalInput& in, NormalPatch& patch, double beyond = 0.0);
 
 }  // namespace epafi

@@ -11,8 +11,8 @@ std::vector<RegionPatch> solve_multi_hertz(const NormalInput& in) {
   for (std::size_t k = 0; k < in.regions.size(); ++k)
     if (in.regions[k].curvature_x > 0.0 && in.regions[k].curvature_y > 0.0) closed.push_back(k);
   if (closed.empty()) return solve_hertz(in);
-  // approaches are along the normal of the first region; the wheel comes down along z and closes the others by the
-  // ratio of the cosines
+  // approaches are along the normal of the first region; since the wheel moves along z, the others follow by the ratio
+  // of the cosines
   const auto closes = [&](std::size_t k) {
     return k == 0 ? 1.0 : std::cos(in.regions[k].angle) / std::cos(in.regions[0].angle);
   };

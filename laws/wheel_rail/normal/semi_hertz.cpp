@@ -1,8 +1,9 @@
-// Semi-Hertzian contact: along the track every strip carries a half ellipse, across it the strips press on each other
-// through their exact influence. Two unknowns on each strip, pressure and length, and two conditions in its middle: the
-// surfaces touch, and they have the same curvature along the track. What virtual penetration guesses (the shape of the
-// patch) is solved for; the patch need not be an ellipse nor one. Error: below 0.3 % of the peak on S1002/UIC60, 1 %
-// where two hills of pressure part (right wheel, 0.2 to 0.5 mm), 2 % at the jump; 25 to 50 strips.
+// Semi-Hertzian contact: each strip carries a half ellipse of pressure along the track; across it strips interact by
+// their exact influence. Each strip has two unknowns, pressure and length, and two conditions in its middle: the
+// surfaces touch, and have the same curvature along the track. The shape of the patch, which virtual penetration
+// assumes, is part of the solution; the patch may be non-elliptic and in several parts. Error of the peak on
+// S1002/UIC60 with 25 to 50 strips: below 0.3 %, 1 % where two pressure peaks separate (right wheel, 0.2 to 0.5 mm), 2
+// % at the jump.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -20,16 +21,16 @@ using std::numbers::pi;
 constexpr double start_depth = 0.55;   // share of an overlap from which lengths start (Kik, Piotrowski 1996)
 constexpr int most_strip_rounds = 80;  // 10 to 20 on the tread, 30 on the flange under 200 kN
 
-/// Strips across the patch and what is found on them.
+/// Strips across the patch and their solution.
 struct Strips {
   double width = 0.0;
   std::vector<double> y, gap, curvature, centre;  ///< given
   std::vector<double> p, a;                       ///< peak pressure [Pa] and half-length [m]
   std::vector<double> bent;                       ///< curvature along the track that the pressures give [1/m]
   double approach = 0.0;
-  Separation apart;                ///< of regions that lie apart
+  Separation apart;                ///< distances between separate regions
   std::vector<std::size_t> group;  ///< the region of each strip
-  std::vector<double> shares;      ///< of influence between two regions
+  std::vector<double> shares;      ///< factors of the influence between two regions
   double share(std::size_t i, std::size_t j) const { return shares[group[i] * apart.groups() + group[j]]; }
   void separate(const Separation& regions) {
     apart = regions;
@@ -117,8 +118,8 @@ void set_influences(const Strips& s, const std::vector<std::size_t>& active, dou
   }
 }
 
-/// Pressures on the active strips for their present lengths, approach so that the force is met, or as given, and how
-/// they bend the surface.
+/// Solves for the pressures on the active strips at their present lengths, with the approach given or such that the
+/// force is met, and for the curvature that they cause.
 void solve_pressures(Strips& s, const std::vector<std::size_t>& active, const Influences& by,
                      const NormalTarget& target) {
   const auto n = static_cast<Eigen::Index>(active.size());
@@ -143,7 +144,7 @@ void solve_pressures(Strips& s, const std::vector<std::size_t>& active, const In
   }
 }
 
-/// How far the surface outside the active strips still overlaps there [m].
+/// Overlap that remains outside the active strips [m].
 double overlap_left(const Strips& s, const std::vector<std::size_t>& active, std::size_t i, double modulus) {
   double u = 0.0;
   for (const std::size_t j : active) {
@@ -155,8 +156,9 @@ double overlap_left(const Strips& s, const std::vector<std::size_t>& active, std
   return s.approach - s.gap[i] - u;
 }
 
-/// Fixed points of x -> x + f: the next x from the combination of the last ones whose f is smallest (Anderson 1965).
-/// A third of the rounds of plain relaxation. Entries may join and leave (x = 0): of the others all is still known.
+/// Anderson (1965) mixing for fixed points of x -> x + f: the next x is the combination of the last ones with the
+/// smallest f. Takes 1/3 of the iterations of plain relaxation. Entries may join and leave (x = 0); the history of the
+/// others stays valid.
 class Mixing {
  public:
   Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& f) {
@@ -193,18 +195,18 @@ class Mixing {
   Eigen::Index known_ = 0;
 };
 
-/// Lengths nearer to where the pressures give the surface the gap's own curvature along the track: a strip that is bent
-/// more than that is too short. The largest change over the longest of them; 1 while one still doubles, however short:
-/// mixing may throw a length towards 0, where every change is small and its pressure without bound.
+/// Updates lengths towards equal curvatures of surface and gap along the track: a strip whose surface is curved more is
+/// too short. Returns the largest change over the largest length, and 1 while any length doubles: mixing may move a
+/// length towards 0, where changes are small but the pressure is unbounded.
 double relax_lengths(Strips& s, const std::vector<std::size_t>& active, Mixing& mixing) {
-  constexpr double most = 2.0;   // by which a length changes in one round
-  constexpr double apart = 1.5;  // by which mixing may differ from plain relaxation
+  constexpr double most = 2.0;   // factor of a length in one iteration
+  constexpr double apart = 1.5;  // factor between mixing and plain relaxation
   double longest = 0.0;
   bool growing = false;
   Eigen::VectorXd x = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(s.a.size())), f = x;
   for (const std::size_t j : active) {
     const auto k = static_cast<Eigen::Index>(j);
-    // between two hills the curvature may be met by no length: none is longer than the undeformed overlap
+    // between two pressure peaks no length may meet the curvature: limit it to the undeformed overlap
     const double longest_here = std::sqrt(2.0 * std::max(0.0, s.approach - s.gap[j]) / s.curvature[j]);
     x[k] = s.a[j];
     f[k] = std::min(x[k] * std::clamp(s.bent[j] / s.curvature[j], 1.0 / most, most), longest_here) - x[k];
@@ -220,9 +222,9 @@ double relax_lengths(Strips& s, const std::vector<std::size_t>& active, Mixing& 
   return growing ? 1.0 : f.lpNorm<Eigen::Infinity>() / longest;
 }
 
-/// Rounds of pressures for given lengths, lengths for given pressures, and strips that join or leave. True when lengths
-/// settle to `tolerance` of the longest (3e-3: the peak to 1e-4) and the approach to a hundredth of that. Strips below
-/// `shortest` of the longest leave.
+/// Iterates pressures at given lengths, lengths at given pressures, and the set of active strips. True when lengths
+/// converge to `tolerance` times the longest (3e-3: the peak to 1e-4) and the approach to 1/100 of that. Strips below
+/// `shortest` times the longest become inactive.
 bool settle_once(Strips& s, double modulus, const NormalTarget& target, double tolerance, double shortest) {
   double last_approach = 0.0;
   Mixing mixing;
@@ -247,8 +249,8 @@ bool settle_once(Strips& s, double modulus, const NormalTarget& target, double t
     if (active.empty()) return false;
     const double change = relax_lengths(s, active, mixing);
     if (left > 0) continue;
-    // whoever overlaps joins: those beside the patch and regions of which nothing is in at once, others when all else
-    // has settled; a strip that has left twice is the edge between in and out
+    // overlapping strips become active: at once beside the patch and in regions without active strips, others after
+    // convergence; a strip that has left twice is the edge of the patch
     const bool settled = change < tolerance && std::abs(s.approach - last_approach) < 0.1 * tolerance * s.approach;
     std::size_t joined = 0;
     for (const std::size_t j : outside) {
@@ -266,8 +268,8 @@ bool settle_once(Strips& s, double modulus, const NormalTarget& target, double t
   return false;
 }
 
-/// A strip that shrinks without end carries nothing at any pressure: 35 GPa beside 0.3 where two hills are about to
-/// meet. Pressure over length and curvature is alike on all strips of a patch (of an ellipse: the same).
+/// True where a strip has shrunk so far that its pressure is spurious: 35 GPa beside 0.3 where two pressure peaks are
+/// about to merge. Pressure / (length * curvature) is similar on all strips of a patch (equal on an ellipse).
 bool has_spike(const Strips& s) {
   std::vector<double> steepness;
   for (std::size_t j = 0; j < s.p.size(); ++j)
@@ -278,9 +280,9 @@ bool has_spike(const Strips& s) {
   return *std::max_element(steepness.begin(), steepness.end()) > 20.0 * *middle;
 }
 
-/// As settle_once; where that fails or leaves a spike, again without short strips, which hold small patches in place
-/// and keep those between two hills from settling (a centred wheel at 8.4 kN, some steps of a wheelset under a
-/// thousandth of its load).
+/// As settle_once; where that fails or leaves a pressure spike, once more without short strips. Small patches need
+/// these, but between two pressure peaks they prevent convergence (a centred wheel at 8.4 kN, some steps of a wheelset
+/// under 1/1000 of its load).
 bool settle(Strips& s, double modulus, const NormalTarget& target, double tolerance) {
   const Strips start = s;
   if (settle_once(s, modulus, target, tolerance, 0.0) && !has_spike(s)) return true;
@@ -326,11 +328,10 @@ NormalPatch patch_of(const Strips& s, std::size_t along) {
   return p;
 }
 
-/// Relative, of the peak: 1 % for half ellipses along the track, 2 % more where two hills of pressure part, and what
-/// the strips' middles running along the track by their place across it cost (2.5 to 3.2 % on the flange, where that is
-/// 0.16).
+/// Relative error of the peak: 1 % for half ellipses along the track, 2 % more where two pressure peaks separate, and a
+/// term for strip centres that shift along the track with y (2.5 to 3.2 % on the flange, at a slope of 0.16).
 double error_of(const Strips& s) {
-  std::vector<double> behind(s.y.size());  // the highest from each strip on
+  std::vector<double> behind(s.y.size());  // highest peak from each strip on
   double top = 0.0, before = 0.0, valley = 1.0, longest = 0.0, low = 1e9, high = -1e9;
   for (std::size_t j = s.y.size(); j-- > 0;) behind[j] = top = std::max(top, s.p[j]);
   for (std::size_t j = 0; j < s.y.size(); ++j) {
@@ -344,8 +345,8 @@ double error_of(const Strips& s) {
   return 0.01 + 0.02 * (1.0 - valley) + 0.2 * (high - low) / (2.0 * longest);
 }
 
-/// Equal strips from the first region to the last, so many that a region narrower than the others still has its own:
-/// with 7 instead of 16 across the gauge corner its peak is 2 % off. Those between the regions cost nothing.
+/// Equal strips from the first region to the last, enough for the narrowest region: with 7 instead of 16 across the
+/// gauge corner its peak is 2 % off. Strips between the regions cost nothing.
 int strips_of_regions(const std::vector<OverlapRange>& ranges, bool fine) {
   double widest = 0.0;
   for (const OverlapRange& o : ranges) widest = std::max(widest, o.high - o.low);
@@ -356,8 +357,8 @@ int strips_of_regions(const std::vector<OverlapRange>& ranges, bool fine) {
                   static_cast<int>((fine ? 16.0 : 8.0) * (ranges.back().high - ranges.front().low) / narrowest));
 }
 
-/// Strips over the overlap at this approach, which holds the patch with a margin; as many as it is wide in units of the
-/// ellipse that the curvature at the rigid point would give.
+/// Strips over the overlap at this approach, which contains the patch with a margin; their number is proportional to
+/// its width over that of the ellipse by the curvature at the rigid point.
 bool solve_strips(const NormalInput& in, double approach, bool fine, Strips& s) {
   const ContactRegion& r = in.regions.front();
   const std::vector<OverlapRange> ranges = overlaps_at(r, approach);
@@ -377,7 +378,7 @@ bool solve_strips(const NormalInput& in, double approach, bool fine, Strips& s) 
   for (std::size_t j = 0; j < s.y.size(); ++j) {
     const double depth = start_depth * approach - s.gap[j];
     if (depth > 0.0) s.a[j] = std::sqrt(2.0 * depth / s.curvature[j]);
-    if (start && start->count > 0) {  // a strip at the edge may be none: it joins by itself
+    if (start && start->count > 0) {  // a strip at the edge may be inactive at first: it joins by its overlap
       const double share = start->at((static_cast<double>(j) + 0.5) / strips);
       s.a[j] = share > 0.05 ? share * whole(j) : 0.0;
     }

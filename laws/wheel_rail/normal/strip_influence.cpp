@@ -11,9 +11,9 @@ namespace epafi {
 namespace {
 
 using std::numbers::pi;
-constexpr double far = 4.0;  // beyond: series, 5e-8 off here
+constexpr double far = 4.0;  // beyond: series, with error 5e-8 here
 constexpr std::size_t cells = 8000;
-constexpr std::size_t near = 100;  // cells from which on, at t = 0.05, a chord without more ado is 6e-7 off
+constexpr std::size_t near = 100;  // cells beyond which, at t = 0.05, linear interpolation is 6e-7 off
 
 double slope(double t) { return 2.0 * elliptic_integrals(t / std::sqrt(1.0 + t * t)).D / std::sqrt(1.0 + t * t); }
 double bend(double t) {
@@ -21,7 +21,7 @@ double bend(double t) {
   return 2.0 * ratio * elliptic_integrals(ratio).K;
 }
 
-/// Values at equal steps of t; those of the first cells without their singularity: G + 2 t log t - 2 t, S + 2 t log t.
+/// Tables at equal steps of t; in the first cells without the singular part: G + 2 t log t - 2 t, S + 2 t log t.
 struct Table {
   std::vector<StripInfluence> at, low;
   double step = far / cells, beyond = 0.0;
@@ -74,7 +74,7 @@ StripInfluence strip_influence(double t) {
 }
 
 double misfit_of(std::span<const PressedStrip> strips, double approach, double modulus) {
-  constexpr std::size_t looked_at = 16;  // places: enough to see a slope of the misfit over the patch
+  constexpr std::size_t looked_at = 16;  // sample points: enough to find a slope of the residual over the patch
   const std::size_t stride = std::max<std::size_t>(1, strips.size() / looked_at);
   double weight = 0.0, sum = 0.0;
   for (std::size_t k = stride / 2; k < strips.size(); k += stride) {

@@ -5,7 +5,7 @@
 
 namespace epafi {
 
-/// Of the strip from the line through its middle to the line at t half-lengths beside it; odd in t, error below 1e-6.
+/// Influence of the strip from its centre line to a line at t half-lengths beside it; odd in t, error below 1e-6.
 struct StripInfluence {
   /// G(t) = int_0^t F, F(t) = int_-1^1 sqrt(1 - s^2) / sqrt(s^2 + t^2) ds = 2 D(k') / sqrt(1 + t^2), k' = t / sqrt(1 +
   /// t^2). Displacement at (0, d) from the strip's middle: (p a / (pi E*)) (G((d + w/2)/a) - G((d - w/2)/a)).
@@ -20,8 +20,8 @@ StripInfluence strip_influence(double t);
 struct PressedStrip {
   double y, gap, p, a, width;
 };
-/// How far the surfaces are from touching under these pressures: root mean square of displacement + gap - approach over
-/// the strips, weighted by pressure, over the approach. 0 for Hertz; what a law of virtual penetration gets wrong.
+/// Residual gap under these pressures: root mean square of displacement + gap - approach over the strips, weighted by
+/// pressure, relative to the approach. 0 for Hertz; an error measure for virtual penetration.
 double misfit_of(std::span<const PressedStrip> strips, double approach, double modulus);
 /// Error of the peak pressure, relative, where a law of virtual penetration leaves so much of the gap: 430 random pairs
 /// of profiles against boundary elements, three laws.

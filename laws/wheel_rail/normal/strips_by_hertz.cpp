@@ -1,10 +1,10 @@
-// Virtual penetration with its share of the approach from Hertz instead of one number: exact on a parabola, fast
-// because no strip presses on another.
+// Virtual penetration with the share of the approach from Hertz instead of a constant: exact on a parabola, fast
+// because strips do not interact.
 //
 // stripes (Ayasse, Chollet 2005): share and shape from the curvature at the rigid contact point, half-lengths from the
 // curvature of each strip, smoothed over the patch. Fails where the curvature jumps within the patch.
 // analyn (after Sichani, Enblom, Berg 2014): every strip is taken from the Hertz contact whose mean curvature is that
-// from the rigid point to the strip, B = h / y^2, so that a wide flat part beyond a jump touches as wide as it is.
+// from the rigid point to the strip, B = h / y^2, so that a wide flat part beyond a jump keeps its full width.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -17,10 +17,10 @@ namespace epafi {
 namespace {
 
 using std::numbers::pi;
-constexpr double most_left_open = 0.03;  // of the approach, beyond which the law is out of its range
+constexpr double most_left_open = 0.03;  // residual gap over the approach, beyond which the law is out of its range
 
-/// Hertz of approach 1: what a strip takes from it. h(b) = share * approach on the edge across; a and p0 grow as the
-/// root of the approach.
+/// Hertz solution at approach 1, as used by a strip: h(b) = share * approach at the lateral edge; a and p0 grow as
+/// sqrt(approach).
 struct UnitHertz {
   double share, a, p0;
 };
@@ -55,7 +55,7 @@ StripSum press(const std::vector<Line>& lines, double step, double approach) {
   return s;
 }
 
-/// What the pressures of `press` lack of closing the gap, over the approach.
+/// Residual gap under the pressures of `press`, over the approach.
 double misfit(const std::vector<Line>& lines, double step, double approach, double modulus) {
   std::vector<PressedStrip> strips;
   for (const Line& l : lines) {
@@ -93,7 +93,7 @@ std::vector<Line> lines_of(const ContactRegion& r, double modulus, bool mean_cur
   for (std::size_t k = 0; k < finer * (g.size() - 1); ++k) {
     const double y = g.start + static_cast<double>(k) * step;
     const GapAt at = gap_at(r, y);
-    if (at.gap > most) {  // one such line parts two regions
+    if (at.gap > most) {  // one such line separates two regions
       if (out.empty() || out.back().gap <= most) out.push_back({y, at.gap, {1.0, 0.0, 0.0}});
       continue;
     }
@@ -109,8 +109,7 @@ std::vector<Line> lines_of(const ContactRegion& r, double modulus, bool mean_cur
   return out;
 }
 
-/// Runs of lines where the undeformed surfaces overlap: mean curvature makes one patch of two regions only where it is
-/// one.
+/// Number of separate overlaps of the undeformed surfaces: mean curvature may be used for one overlap only.
 int overlaps(const std::vector<Line>& lines, double approach) {
   int runs = 0;
   bool inside = false;
@@ -151,13 +150,13 @@ std::vector<RegionPatch> solve(const NormalInput& in, bool mean_curvature) {
     p.centre_y = centre;
     p.ellipse = {std::sqrt(5.0 * s.moment_x / s.force), std::sqrt(5.0 * across)};
   }
-  // An estimate of its own, from what the pressures leave of the gap.
+  // Error estimate by the residual gap under the pressures.
   const double off = misfit(lines, step, approach, E);
   if (mean_curvature)
     check_conformal(r, p, p.reasons);
   else
     check_hertz_range(r, p, p.reasons);
-  const bool one_patch = mean_curvature && overlaps(lines, approach) <= 1;  // with all that its profile holds
+  const bool one_patch = mean_curvature && overlaps(lines, approach) <= 1;  // includes the whole profile
   check_second_region(in, p, one_patch ? -r.profile.start : 0.0);
   p.error_estimate =
       std::max(error_of_gap_left(off) + 0.12 * askew(r, p.ellipse.b, p.ellipse.a), p.reasons.empty() ? 0.0 : 0.15);

@@ -1,5 +1,5 @@
-/// @file beside_plane.h  What the tangent plane costs: the surface of a patch leaves its plane, and the rolling radius,
-/// with it the longitudinal slip, is another in each row. FASTSIM with and without that slip tells the force it makes.
+/// @file beside_plane.h  Error of the tangent plane: the surface of a patch is not plane, so the rolling radius and the
+/// longitudinal slip vary across it. FASTSIM with and without that slip gives the change of the force.
 #pragma once
 #include <vector>
 

@@ -8,7 +8,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// Size of the linear force over the bound: 0 all stick, above about 3 all slip.
+/// Linear force over the bound: 0 is full stick, above about 3 full slip.
 double saturation(const RollingCase& c, const KalkerCoefficients& k) {
   const double ab = c.ellipse.a * c.ellipse.b, Gab = c.elastic.shear_modulus * ab;
   const Creepage& s = c.creepage;
@@ -22,15 +22,14 @@ Flexibility kalker_flexibility(const RollingCase& c, const KalkerCoefficients& k
   const Flexibility three{8.0 * a / (3.0 * k.c11 * G), 8.0 * a / (3.0 * k.c22 * G),
                           pi * a * std::sqrt(a / b) / (4.0 * k.c23 * G)};
   if (rule == FlexibilityRule::three) return three;
-  // one L that keeps the linear force of all creepages together: spin gives the force of the lateral creepage 3/32 pi a
-  // phi. (The mean weighted by creepages, Kalker 1990, is 0.18 mu N off for lateral creepage with spin; this one 0.03
-  // mu N.)
+  // one flexibility L for all creepages, with the same linear force: spin counts as the lateral creepage 3/32 pi a phi.
+  // (The mean weighted by creepages, Kalker 1990, is 0.18 mu N off for lateral creepage with spin; this one 0.03 mu N.)
   const double x = std::abs(c.creepage.longitudinal), y = std::abs(c.creepage.lateral);
   const double s = 3.0 / 32.0 * pi * a * std::abs(c.creepage.spin);
   if (!(x + y + s > 0.0)) return three;
   const double one = std::hypot(x, y + s) / std::hypot(x / three.longitudinal, y / three.lateral + s / three.spin);
   if (rule == FlexibilityRule::one) return {one, one, one};
-  // without friction nothing sticks and the saturation has no bound
+  // without friction there is no stick and the saturation is infinite
   constexpr double all_slides = 1e3;
   const double rho = saturation(c, k), r = rho * rho * rho * rho, share = rho < all_slides ? r / (1.0 + r) : 1.0;
   const auto mix = [&](double own) { return 1.0 / ((1.0 - share) / own + share / one); };

@@ -13,7 +13,7 @@ BoundLevels levels_of(const TangentialInput& in) {
 
 double distance_of(const TangentialInput& in) { return in.distance > 0.0 ? in.distance : 2.0 * in.patch.ellipse.a; }
 
-/// Force, its error and fields of the finest grid as the outcome of a model.
+/// Force, error and fields of the finest grid as the result of a model.
 TangentialOutcome outcome_of(const TangentialInput& in, const BoundLevels& levels, const HalfSpaceTangential& fine,
                              const PatchForce& force, double error) {
   TangentialOutcome out;

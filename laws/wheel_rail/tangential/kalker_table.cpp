@@ -8,7 +8,7 @@ namespace epafi {
 namespace {
 
 constexpr std::size_t places = 19;                         // a/b = 0.1 ... 1.0, then b/a = 0.9 ... 0.1
-using Column = std::array<std::array<double, 3>, places>;  // by place; Poisson's ratio 0, 1/4, 1/2
+using Column = std::array<std::array<double, 3>, places>;  // by axis ratio; Poisson's ratio 0, 1/4, 1/2
 
 constexpr Column table_c11{{{2.51, 3.31, 4.85},
                             {2.59, 3.37, 4.81},
@@ -87,13 +87,13 @@ constexpr Column table_c33{{{6.42, 8.28, 11.7},
                             {0.828, 0.601, 0.341},
                             {0.795, 0.526, 0.228}}};
 
-/// 1/c at one place: through nu = 0, 1/4, 1/2 (Lagrange).
+/// 1/c at one axis ratio, interpolated through nu = 0, 1/4, 1/2 (Lagrange).
 double inverse_at(const std::array<double, 3>& row, double nu) {
   const double l0 = 8.0 * (nu - 0.25) * (nu - 0.5), l1 = -16.0 * nu * (nu - 0.5), l2 = 8.0 * nu * (nu - 0.25);
   return l0 / row[0] + l1 / row[1] + l2 / row[2];
 }
 
-/// Catmull-Rom through the places: smooth across a = b, because a/b and 2 - b/a have the same slope there.
+/// Catmull-Rom through the axis ratios: smooth across a = b, because a/b and 2 - b/a have the same slope there.
 double interpolate(const Column& table, double place, double nu) {
   const int cell = std::clamp(static_cast<int>(place), 0, static_cast<int>(places) - 2);
   const double t = place - cell;

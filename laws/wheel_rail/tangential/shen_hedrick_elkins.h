@@ -6,7 +6,7 @@
 
 namespace epafi {
 
-/// Share of Coulomb's bound that the force reaches when the linear theory asks for rho times the bound.
+/// Force over Coulomb's bound if the linear theory gives rho times the bound.
 inline double cubic_saturation(double rho) { return rho >= 3.0 ? 1.0 : rho * (1.0 + rho * (-1.0 / 3.0 + rho / 27.0)); }
 
 inline PatchForce shen_hedrick_elkins(const RollingCase& c) {

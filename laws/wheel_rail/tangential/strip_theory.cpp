@@ -11,15 +11,15 @@ using std::numbers::pi;
 
 /// Slope Q = mu p0 / a0 of the bound at the trailing edge; p0 from the cells, so that a line contact is the same.
 double bound_slope(const StripPatch& patch, const RollingCase& c) {
-  double sum = 0.0;  // of a(y)^2 pi/2 over the strips: the force per p0/a0
+  double sum = 0.0;  // sum of a(y)^2 pi/2 over the strips: force per p0/a0
   for (const Strip& s : patch.strips) sum += 0.125 * pi * (s.leading - s.trailing) * (s.leading - s.trailing) * s.width;
   return c.bound() / sum;
 }
 
 /// Creepages of the plane problem in its own units.
 struct PlaneCreepage {
-  double xi, xi_per_y;  ///< shift of longitudinal creepage [m], and of spin's part per y [-]
-  double eta;           ///< shift of lateral creepage [m]
+  double xi, xi_per_y;  ///< shift by longitudinal creepage [m], and by spin per y [-]
+  double eta;           ///< shift by lateral creepage [m]
   double psi;           ///< spin [-]
 };
 
@@ -68,14 +68,14 @@ StripSolution march(const StripPatch& patch, const RollingCase& c, const PlaneCr
     const double eta = plane.eta + plane.psi * middle;
     const StripStick z = strip_stick(half, plane.xi + plane.xi_per_y * strip.y, eta, plane.psi);
     const double front = z.all_slides ? half : z.shift - (half - z.shift);
-    double rx = 0.0, ry = 0.0;  // traction of the march, for the direction of slip
+    double rx = 0.0, ry = 0.0;  // traction integrated from the leading edge, for the direction of slip
     for (std::uint32_t k = 0; k < strip.count; ++k) {
       const double x = strip.x(k), from = x - middle, bound = c.friction * patch.pressure[strip.first + k];
       double qx = -Q * stick_traction(z.kappa_x, z.lambda_x, half, z.shift, from);
       double qy = -Q * stick_traction(z.kappa_y, z.lambda_y, half, z.shift, from);
       const bool sticks = from >= front && qx * qx + qy * qy <= bound * bound;
       double tx = qx, ty = qy;
-      if (L) {  // slip turns as it does on FASTSIM's bed
+      if (L) {  // slip has the direction of FASTSIM
         tx = rx - (c.creepage.longitudinal / L->longitudinal - c.creepage.spin / L->spin * strip.y) * h;
         ty = ry - (c.creepage.lateral / L->lateral + c.creepage.spin / L->spin * (x + 0.5 * h)) * h;
         const double size = std::hypot(tx, ty), s = size > bound ? bound / size : 1.0;
@@ -115,7 +115,7 @@ StripStick strip_stick(double half, double xi, double eta, double psi) {
   if (!(size > 0.0) && std::abs(psi) < 1.0) return {0.0, 0.0, psi, 0.0, 0.0, false};
   const double below = root >= 0.0 ? std::sqrt(root) - eta * psi : 0.0;
   if (!(size > 0.0) || !(below > 0.0) || size * size >= half * below) {
-    // all slides: against the rigid slip of the strip's middle
+    // full slip: against the rigid slip in the middle of the strip
     return {half, size > 0.0 ? xi / size : 0.0, size > 0.0 ? eta / size : 0.0, 0.0, 0.0, true};
   }
   const double shift = size * size / below;

@@ -1,6 +1,6 @@
 /// @file strip_theory.h  Every strip of the patch as a plane rolling contact (Haines and Ollerton 1963, Kalker 1967):
-/// exact for slender patches across the track (a << b), up to 25 % off on a circle and 40 % with spin. And its mend,
-/// the FaStrip type (Sichani, Enblom, Berg 2016): creepages scaled so that the linear force is Kalker's, slip direction
+/// exact for slender patches across the track (a << b), up to 25 % off on a circle and 40 % with spin. FaStrip
+/// (Sichani, Enblom, Berg 2016) corrects it: creepages scaled so that the linear force is Kalker's, slip direction
 /// marched as in FASTSIM.
 #pragma once
 #include "laws/wheel_rail/tangential/fastsim.h"

@@ -27,7 +27,7 @@ struct StripPatch {
   std::size_t cells() const { return pressure.size(); }
 };
 
-/// How the pressure that bounds the traction falls towards the edge.
+/// Shape of the pressure that bounds the traction.
 enum class Bound { elliptic, parabolic };
 
 /// `across` strips of `along` cells over an ellipse.

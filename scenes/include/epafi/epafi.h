@@ -13,7 +13,7 @@
 
 namespace epafi {
 
-/// What load and load_text share: ready and started.
+/// Common end of load and load_text: assembles the scene and enters the simulation.
 inline std::unique_ptr<Assembly> start(ReadResult read) {
   if (!read.scene) throw SceneError(read.problems);
   auto assembly = assemble(std::move(*read.scene));

@@ -1,11 +1,11 @@
-#include "engine/step/giving_wall.h"
+#include "engine/step/nonsmooth_servo.h"
 
 #include <algorithm>
 #include <string>
 
 namespace epafi {
 
-void GivingWall::begin(double dt) {
+void NonsmoothServo::begin(double dt) {
   if (servo.has_gains()) {  // v = p (F + J/dt) + i (missed + dt F + J)
     mobility = servo.proportional / dt + servo.integral;
     free_speed = dt * servo.force * mobility + servo.integral * missed;
@@ -18,15 +18,15 @@ void GivingWall::begin(double dt) {
   }
 }
 
-void GivingWall::end(double solved_speed, double dt) {
+void NonsmoothServo::end(double solved_speed, double dt) {
   const double nearly = (1.0 - 1e-9) * servo.max_speed;  // rounding of the contact problem
   impulse = std::min(0.0, (solved_speed - free_speed) / mobility);
   speed = std::min(solved_speed, servo.max_speed);
   if (servo.has_gains() && solved_speed < nearly) missed += dt * servo.force + impulse;
 }
 
-void GivingWallEvent::before_step(World& world, double dt, std::vector<BodyId>&) {
-  GivingWall& wall = *wall_;
+void NonsmoothServoEvent::before_step(World& world, double dt, std::vector<BodyId>&) {
+  NonsmoothServo& wall = *wall_;
   const Slot s = world.slot_of(wall.body);
   if (s == no_slot) return;
   const Vec3 motion = wall.servo.beside_motion ? world.velocity[s] : Vec3(Vec3::Zero());
@@ -34,11 +34,11 @@ void GivingWallEvent::before_step(World& world, double dt, std::vector<BodyId>&)
   if (time >= wall.servo.from && time < wall.servo.until)
     wall.begin(dt);
   else
-    wall = GivingWall{wall.body, Servo(wall.servo)};
+    wall = NonsmoothServo{wall.body, Servo(wall.servo)};
   world.velocity[s] = motion + wall.speed * wall.servo.direction;
 }
 
-void GivingWallEvent::visit(StateVisitor& visitor) {
+void NonsmoothServoEvent::visit(StateVisitor& visitor) {
   const std::string name = "servo/" + std::to_string(static_cast<std::uint32_t>(wall_->body));
   if (!visitor.has(name + "/speed")) return;
   visitor.value(name + "/speed", wall_->speed);

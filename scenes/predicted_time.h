@@ -1,9 +1,9 @@
-/// @file foretold_time.h  Processor time of a run, foretold: by what its first steps took, by what its bodies will cost
-/// once they lie on each other, and by its output. All by processor time and by counts, never by the clock: what else
-/// runs on the machine does not count.
+/// @file predicted_time.h  Prediction of the processor time of a run: from the measured first steps, the cost of its
+/// bodies in a settled packing, and its output. Based on processor time and counts, so other programs have no
+/// influence.
 ///
-/// Prices were measured on one machine (Zen 5) and follow the speed of this one by a short loop. Right to a factor of
-/// two where scenes fall together under gravity; solvers that iterate far more than usual are not foreseen.
+/// Unit costs were measured on one machine (Zen 5) and are scaled by the speed of this one in a short loop. Right to a
+/// factor of two for bodies that settle under gravity; solvers with unusually many iterations are not predicted.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 
 namespace epafi {
 
-namespace foretold {
+namespace predicted {
 
 // seconds by one thread of the machine of the prices; pile/polyhedra, bed/bed, stability/*, impact/*, and settled beds
 // of 60 of each shape in smooth contact
@@ -34,40 +34,40 @@ inline constexpr double read_contacts = 0.4e-6;    // a measure that reads all c
 inline constexpr double loop_time = 0.70e-3;       // of machine_speed()
 inline constexpr double bodies_of_a_thread = 512;  // loops of fewer are not shared out
 
-}  // namespace foretold
+}  // namespace predicted
 
-/// What a run is made of.
+/// Input of the prediction: amounts of work of a run.
 struct RunCounts {
-  double steps = 0.0;                      ///< of the whole run
-  double bodies = 0.0;                     ///< free ones, those that come later too
-  double polyhedra = 0.0;                  ///< of them: boxes, polyhedra, solids; with a solver all that are no balls
-  double other = foretold::smooth_sphere;  ///< one of the others in a smooth packing, a step [s]
-  double outputs = 0.0;                    ///< frames and snapshots
-  double points = 0.0;                     ///< of the surfaces that a frame draws, of all bodies
-  double sweeps = 0.0;                     ///< of a non-smooth solver in a step of a packing; 0: smooth
-  double loose = 0.0;                      ///< share of the contacts of a packing that are still to come, in [0, 1]
-  double falling = 0.0;                    ///< share of the run until they have come, in [0, 1]
-  double reading = 0.0;                    ///< measures that read contacts in a step, on average
+  double steps = 0.0;                       ///< of the whole run
+  double bodies = 0.0;                      ///< free ones, those that come later too
+  double polyhedra = 0.0;                   ///< of them: boxes, polyhedra, solids; with a solver all that are no balls
+  double other = predicted::smooth_sphere;  ///< one of the others in a smooth packing, a step [s]
+  double outputs = 0.0;                     ///< frames and snapshots
+  double points = 0.0;                      ///< of the surfaces that a frame draws, of all bodies
+  double sweeps = 0.0;                      ///< of a non-smooth solver in a step of a packing; 0: smooth
+  double loose = 0.0;                       ///< share of the contacts of a packing that are still to come, in [0, 1]
+  double falling = 0.0;                     ///< share of the run until they have come, in [0, 1]
+  double reading = 0.0;                     ///< measures that read contacts in a step, on average
 };
 
-/// What the first steps took.
+/// Measured times of the first steps.
 struct FirstSteps {
   double start = 0.0;    ///< until the first step: reading, shapes, memory [s]
   double seconds = 0.0;  ///< of all that were made
-  double made = 0.0;     ///< how many
+  double made = 0.0;     ///< number of steps
   double present = 0.0;  ///< share of the free bodies that were there, in (0, 1]
   double later = 0.0;    ///< seconds of one of the last of them
 };
 
 /// Seconds by the processor.
-struct ForetoldTime {
+struct PredictedTime {
   double start = 0.0, steps = 0.0, output = 0.0;
   double total() const { return start + steps + output; }
 };
 
-namespace foretold {
+namespace predicted {
 
-/// Of one step of all bodies in a packing.
+/// Time of one step of all bodies in a packing [s].
 inline double packed_step(const RunCounts& run) {
   const double others = run.bodies - run.polyhedra, read = run.reading * run.bodies * read_contacts;
   if (!(run.sweeps > 0.0)) return read + others * run.other + run.polyhedra * smooth_polyhedron;
@@ -75,7 +75,7 @@ inline double packed_step(const RunCounts& run) {
          run.polyhedra * (nonsmooth_polyhedron + run.sweeps * sweep_polyhedron);
 }
 
-/// What a step does besides: multiply, add, root, in a chain.
+/// Time of a chain of arithmetic (multiply, add, root), for the other work of a step [s].
 inline double loop_seconds() {
   const double start = process_seconds();
   double x = 1.0;
@@ -85,18 +85,18 @@ inline double loop_seconds() {
   return process_seconds() - start;
 }
 
-}  // namespace foretold
+}  // namespace predicted
 
-/// Of this machine over that of the prices: the same loop, the best of five.
+/// Speed of this machine over that of the unit costs: the same loop, the best of five.
 inline double machine_speed() {
-  double best = foretold::loop_seconds();
-  for (int k = 0; k < 4; ++k) best = std::min(best, foretold::loop_seconds());
-  return best > 0.0 ? std::clamp(foretold::loop_time / best, 0.05, 20.0) : 1.0;
+  double best = predicted::loop_seconds();
+  for (int k = 0; k < 4; ++k) best = std::min(best, predicted::loop_seconds());
+  return best > 0.0 ? std::clamp(predicted::loop_time / best, 0.05, 20.0) : 1.0;
 }
 
-/// By so many threads of processors that nothing else runs on.
+/// Predicted time with this number of threads on idle processors.
 inline double wall_seconds(double processor, double bodies, double threads) {
-  return processor / std::clamp(bodies / foretold::bodies_of_a_thread, 1.0, std::max(1.0, threads));
+  return processor / std::clamp(bodies / predicted::bodies_of_a_thread, 1.0, std::max(1.0, threads));
 }
 
 /// Share of a run of `duration` [s] until bodies that start up to `height` [m] above the lowest lie, half of them: a
@@ -108,14 +108,14 @@ inline double falling_share(double height, double gravity, double duration, doub
 }
 
 /// speed: of this machine over that of the prices.
-inline ForetoldTime foretell_time(const RunCounts& run, const FirstSteps& first, double speed) {
-  ForetoldTime out;
-  out.start = first.start + foretold::start_of_run / speed;
+inline PredictedTime predict_time(const RunCounts& run, const FirstSteps& first, double speed) {
+  PredictedTime out;
+  out.start = first.start + predicted::start_of_run / speed;
   out.output = run.outputs *
-               (foretold::output_itself + foretold::output_body * run.bodies + foretold::output_point * run.points) /
+               (predicted::output_itself + predicted::output_body * run.bodies + predicted::output_point * run.points) /
                speed;
   const double rest = std::max(0.0, run.steps - first.made), present = std::clamp(first.present, 1e-3, 1.0);
-  const double packed = run.loose * foretold::packed_step(run) / speed;
+  const double packed = run.loose * predicted::packed_step(run) / speed;
   out.steps = first.seconds + rest * (first.later / present + packed * (1.0 - run.falling));
   return out;
 }
