@@ -147,7 +147,7 @@ void Part::begin_sums(bool sound, const std::optional<Domain>& domain) {
   const bool ahead = sim_.is_ahead();
   const Extent next = ahead ? shared_model()->begun() : Extent();
   const SharedList* const list = shared_list();
-  const SharedList::End end = list ? list->foreseen() : SharedList::End{};
+  const SharedList::End end = list ? list->predicted_end() : SharedList::End{};
   const std::array<double, 17> sums{static_cast<double>(mine.pairs),
                                     static_cast<double>(mine.contacts),
                                     static_cast<double>(mine.touching),

@@ -203,7 +203,7 @@ std::optional<Failure> Simulation::make_remote_step(double dt, bool sort, bool r
   world.fallen += dt * world.gravity;
   ledger.add(work.report, dt * world.gravity.norm());
   if (sound) return std::nullopt;
-  come_home();
+  gather_state();
   remote->fetch_seen(*this, ContactView::all);
   return look_at_strays();
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "engine/units/registry.h"
 #include "laws/factors.h"
 
 namespace epafi {
