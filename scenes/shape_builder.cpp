@@ -156,7 +156,10 @@ BuiltShape ShapeBuilder::build_hull(const ShapeSpec& spec, double size) {
   for (Vec3& v : surface.vertices) v = factor * frame.to_principal(v);
   surface.tolerance *= factor;
   auto built = built_hull(std::move(surface));
-  if (!built.problem.empty()) throw SceneError("the hull of '" + spec.name + "' " + built.problem, spec.place);
+  if (!built.problem.empty()) {
+    const std::string name = spec.parameters.has("file") ? spec.parameters.text("file") : spec.name;
+    throw SceneError("the hull of '" + name + "': " + built.problem, spec.place);
+  }
   built.hull.sweep = size * spec.rounding;
   const double f3 = factor * factor * factor, radius = built.hull.bounding_radius();
   frame.centre *= factor;

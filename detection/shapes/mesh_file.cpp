@@ -27,12 +27,13 @@ bool has_area(const TriangleSurface& s, const Triangle& t) {
   return (b - a).cross(c - a).squaredNorm() > 0.0;
 }
 
-/// How far single precision may have put a coordinate, where all are such numbers or written with as few digits.
+/// How far rounding may have put a coordinate: as it was written, or in single precision where all are such numbers.
 double precision_of(const TriangleSurface& s, double written) {
-  const auto is_single = [](const Vec3& v) { return v.cast<float>().cast<double>() == v; };
-  if (!(written > 0.0) && !std::all_of(s.vertices.begin(), s.vertices.end(), is_single)) return 0.0;
   double largest = 0.0;
-  for (const Vec3& v : s.vertices) largest = std::max(largest, v.cwiseAbs().maxCoeff());
+  for (const Vec3& v : s.vertices) {
+    if (v.cast<float>().cast<double>() != v) return written;
+    largest = std::max(largest, v.cwiseAbs().maxCoeff());
+  }
   return std::max(written, std::ldexp(largest, -24));
 }
 

@@ -146,7 +146,10 @@ class Values {
   /// wanted: else it may be no number ("nan" of a quality).
   double next(std::size_t size, bool real, bool is_signed, bool wanted = true) {
     if (order_ == Order::text && !wanted && !text_.word().empty()) return 0.0;
-    if (order_ == Order::text) return text_.number();
+    if (order_ == Order::text) {
+      const double value = text_.number(real);
+      return real && size == 4 ? double{static_cast<float>(value)} : value;
+    }
     if (size == 0 || at_ + size > bytes_.size()) cut();
     std::uint64_t raw = 0;
     for (std::size_t k = 0; k < size; ++k) {

@@ -46,7 +46,8 @@ class MeshText {
   }
   std::string_view line() const { return line_; }
   std::size_t offset() const { return at_; }  ///< of the next line [bytes]
-  double number() {
+  /// is_measure: its digits tell how far the file rounds; else it is an index or a count.
+  double number(bool is_measure = true) {
     const auto w = word();
     if (w.empty()) fail("a number is missing");
     const auto digits = w.starts_with('+') ? w.substr(1) : w;
@@ -56,12 +57,17 @@ class MeshText {
     if (error != std::errc{} || end != digits.data() + digits.size())
       fail(fmt::format("expected a number, found '{}'", shown(w)));
     if (!std::isfinite(value)) fail(fmt::format("'{}' is not a finite number", shown(w)));
-    note_digits(digits);
+    if (is_measure) note_digits(digits, value);
     return value;
   }
-  /// Half of the last digit that the numbers of this text are written to, where it looks as if they were rounded so:
-  /// five to nine digits, as programs write that keep single-precision numbers. 0: no number has been rounded.
-  double written_precision() const { return most_digits_ >= 5 && most_digits_ <= 9 ? 0.5 * last_digit_ : 0.0; }
+  /// How far its rounding may have put the largest of the numbers: half of the last digit they are written to, and no
+  /// less than single precision where all may be such numbers. 0: fewer than 5 digits are meant so, over 15 are all.
+  double written_precision() const {
+    if (most_digits_ < 5 || most_digits_ > 15) return 0.0;
+    // equally many decimals, or equally many digits (%g, %e): then those of the largest number count
+    const double unit = last_digit_ == finest_digit_ ? last_digit_ : unit_of(largest_, most_digits_);
+    return std::max(0.5 * unit, most_digits_ <= 9 || all_single_ ? std::ldexp(largest_, -24) : 0.0);
+  }
   Vec3 point() {
     const double x = number(), y = number(), z = number();
     return {x, y, z};
@@ -100,21 +106,33 @@ class MeshText {
     column_ = end;
     return line_.substr(begin, end - begin);
   }
-  /// Of fractions: 0.012345 has six digits, 1.2e-5 two.
-  void note_digits(std::string_view w) {
+  /// Of the last of so many digits of a number.
+  static double unit_of(double value, int digits) {
+    return std::pow(10.0, std::floor(std::log10(value)) + 1.0 - digits);
+  }
+  /// Of fractions: 0.012345 has five digits, 1.2e-5 two.
+  void note_digits(std::string_view w, double value) {
+    largest_ = std::max(largest_, std::abs(value));
     const auto mantissa = w.substr(0, std::min(w.find_first_of("eE"), w.size()));
     const auto dot = mantissa.find('.');
     if (dot == mantissa.npos) return;
-    const std::size_t begin = std::min(mantissa.find_first_not_of("-0"), dot);
-    const auto digits = static_cast<int>(mantissa.size() - begin - 1);
-    const auto decimals = static_cast<int>(mantissa.size() - dot - 1);
-    if (digits < 5 || digits < most_digits_) return;  // zeros at the end may have been left out
+    const std::size_t begin = mantissa.find_first_not_of("-0.");
+    if (begin == mantissa.npos) return;
+    const auto digits = static_cast<int>(mantissa.size() - begin - (begin < dot ? 1 : 0));
+    if (digits < 5) return;  // too few to tell; zeros at the end may have been left out
+    const double decimals = static_cast<double>(mantissa.size() - dot - 1);
     int exponent = 0;
     if (mantissa.size() + 1 < w.size()) {
       const auto power = w.substr(mantissa.size() + (w[mantissa.size() + 1] == '+' ? 2 : 1));
       std::from_chars(power.data(), power.data() + power.size(), exponent);
     }
-    last_digit_ = std::max(digits > most_digits_ ? 0.0 : last_digit_, std::pow(10.0, exponent - decimals));
+    const double unit = std::pow(10.0, exponent - decimals);
+    const double off = std::abs(value - static_cast<double>(static_cast<float>(value)));
+    all_single_ = all_single_ && off <= 0.5001 * unit;
+    if (digits < most_digits_) return;
+    const bool is_first = digits > most_digits_;
+    last_digit_ = std::max(is_first ? 0.0 : last_digit_, unit);
+    finest_digit_ = std::min(is_first ? unit : finest_digit_, unit);
     most_digits_ = digits;
   }
 
@@ -124,7 +142,9 @@ class MeshText {
   std::size_t at_ = 0, column_ = 0, word_begin_ = 0;
   int number_ = 0;
   int most_digits_ = 0;
-  double last_digit_ = 0.0;  ///< of the coarsest number of so many digits
+  double last_digit_ = 0.0, finest_digit_ = 0.0;  ///< of the coarsest and the finest number of so many digits
+  double largest_ = 0.0;
+  bool all_single_ = true;  ///< each number is what one of single precision is written as
 };
 
 }  // namespace epafi

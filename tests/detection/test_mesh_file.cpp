@@ -148,6 +148,30 @@ TEST_CASE("how far a file has rounded its corners is seen by its digits", "[dete
   CHECK(read_obj(obj_text(exact, "%.4g"), "p.obj").report.precision == 0.0);
 }
 
+TEST_CASE("the digits of a file tell its rounding whatever powers of ten its coordinates have",
+          "[detection][mesh-file]") {
+  Random random(34, 0);
+  for (int run = 0; run < 50; ++run) {
+    const double size = std::pow(10.0, random.uniform(-3, 3));
+    TriangleSurface s = moved(prism_surface(20, 0.3, 0.7), random_turn(random), 2.0 * random_direction(random));
+    for (Vec3& v : s.vertices) v *= size;
+    s.vertices[0] *= 1e-3;  // near the origin: more decimals than the others
+    const auto precision = [&](const char* format) { return read_obj(obj_text(s, format), "p.obj").report.precision; };
+    double largest = 0.0;
+    for (const Vec3& v : s.vertices) largest = std::max(largest, v.cwiseAbs().maxCoeff());
+    const double single = std::ldexp(largest, -24);
+    INFO("run " << run << ", largest coordinate " << largest);
+    CHECK(precision("%.6g") == Approx(0.5 * std::pow(10.0, std::floor(std::log10(largest)) - 5)));
+    CHECK(precision("%.17g") == 0.0);
+    for (Vec3& v : s.vertices) v = v.cast<float>().cast<double>();
+    largest = 0.0;
+    for (const Vec3& v : s.vertices) largest = std::max(largest, v.cwiseAbs().maxCoeff());
+    for (const char* format : {"%.8g", "%.9g", "%.8e", "%.12g", "%.17g"})
+      CHECK(precision(format) == Approx(single).epsilon(1e-6));
+    CHECK(read_ply(ply_text(s), "p.ply").surface.vertices == s.vertices);
+  }
+}
+
 TEST_CASE("OBJ: polygons, negative indices, Windows line ends, signs and exponents", "[detection][mesh-file]") {
   const auto mesh =
       read_obj("v 0 0 0\r\nv +1 0 0\r\nv 1e0 1.0E0 0\r\nv -0 1 0\r\n\r\ns off\r\nf -4 -3 -2 -1\r\n", "q.obj");
