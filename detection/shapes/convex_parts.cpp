@@ -17,7 +17,8 @@ namespace {
 constexpr double same_volume = 1e-9;      // relative: two parts whose hull has their volume are one convex part
 constexpr double rounding = 1e-12;        // of the size: what cuts are exact to
 constexpr std::size_t most_cells = 4096;  // before joining: far beyond the parts that a body can carry
-constexpr std::size_t most_choices = 64;  // cuts that are compared, of the largest faces
+constexpr std::size_t most_cuts = 1 << 16, most_depth = 2000;  // of the tree; a level takes about 1 kB of the stack
+constexpr std::size_t most_choices = 64;                       // cuts that are compared, of the largest faces
 
 /// What of a triangle lies in a cell: convex, in the plane of its face.
 struct Fragment {
@@ -178,7 +179,7 @@ class CellCutter {
     is_complete = is_complete && cells.size() <= most_cells;
   }
 
-  void cut(ClippedSolid& cell, std::vector<Fragment> fragments) {
+  void cut(ClippedSolid& cell, std::vector<Fragment> fragments, std::size_t depth = 0) {
     if (!is_complete) return;
     if (fragments.empty()) {
       const Volume volume = cell.volume();
@@ -193,17 +194,32 @@ class CellCutter {
       return keep(cell);
     }
     const Plane plane = planes_[*face], back{-plane.normal, -plane.offset};
+    is_complete = ++cuts_ <= most_cuts && depth < most_depth;
+    // the face bounds both cells, however far its corners lie off its plane: so each cut leaves one face less
+    std::erase_if(fragments, [&](const Fragment& f) { return f.face == *face; });
     ClippedSolid front = cell;
     std::vector<Fragment> beyond = behind(fragments, back);
     fragments = behind(fragments, plane);
-    if (cell.clip(plane)) cut(cell, std::move(fragments));
-    if (front.clip(back)) cut(front, std::move(beyond));
+    if (cell.clip(plane)) cut(cell, std::move(fragments), depth + 1);
+    if (front.clip(back)) cut(front, std::move(beyond), depth + 1);
   }
 
   const TriangleSurface& surface_;
   std::vector<Plane> planes_;
   double tolerance_;
+  std::size_t cuts_ = 0;
 };
+
+/// How far corners lie off the planes of their faces.
+double unevenness(const JoinedSurface& joined) {
+  const TriangleSurface& s = joined.surface;
+  const std::vector<Plane> planes = face_planes(joined);
+  double off = 0.0;
+  for (std::size_t t = 0; t < s.triangles.size(); ++t)
+    for (const std::uint32_t v : s.triangles[t])
+      off = std::max(off, std::abs(planes[joined.face[t]].above(s.vertices[v])));
+  return off;
+}
 
 /// Nothing where the points enclose no volume worth a body (`least` [m^3]).
 std::optional<ConvexPart> hull_of(std::span<const Vec3> points, double precision, double least) {
@@ -286,7 +302,8 @@ std::vector<ConvexPart> convex_parts(const JoinedSurface& joined, double precisi
   const double volume = surface_mass_properties(joined.surface).mass;
   Aabb box;
   for (const Vec3& v : joined.surface.vertices) box.include(v);
-  const double size = box.extent().norm(), tolerance = std::max(4.0 * precision, rounding * size);
+  const double size = box.extent().norm(), off = std::max(unevenness(joined), 4.0 * joined.report.move_distance);
+  const double tolerance = std::max({4.0 * precision, rounding * size, std::min(off, joined.report.tolerance)});
   refuse_crossings(joined.surface, joined.report.tolerance, place);
   const CellCutter cutter(joined, tolerance);
   if (!cutter.is_complete)

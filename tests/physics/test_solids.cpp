@@ -219,6 +219,26 @@ TEST_CASE("a bracket, a accumulator and a hollow box are cut to as few parts in 
   }
 }
 
+TEST_CASE("a turned body is cut to as few parts however far its corners lie off its faces", "[physics][solids]") {
+  // of 1e-10 to 1e-5 m: endless cuts, or parts that were not convex
+  Random random(33, 0);
+  for (int run = 0; run < 40; ++run) {
+    const double off = std::pow(10.0, random.uniform(-13, -5.3)), away = random.uniform(0, 3);
+    INFO("run " << run << ", corners off by " << off << " m");
+    TriangleSurface s = run % 2 == 0
+                            ? angle_bracket()
+                            : cells_surface(6, [](int i, int j, int k) { return k < 2 || i % 5 == 0 || j % 5 == 0; });
+    const double exact = surface_mass_properties(s).mass;
+    s = testing::moved(std::move(s), testing::random_turn(random), away * testing::random_point(random));
+    for (Vec3& v : s.vertices) v += off * testing::random_point(random);
+    const PlacedSolid placed = place_solid(s);
+    CHECK(placed.solid.parts.size() == (run % 2 == 0 ? 2 : 5));
+    double sum = 0;
+    for (const auto& part : placed.solid.parts) sum += part.hull.volume;
+    CHECK(sum == Approx(exact).epsilon(1e-9 + 10 * off));
+  }
+}
+
 TEST_CASE("a surface that is open or crosses itself is refused with the reason", "[physics][solids]") {
   TriangleSurface open = angle_bracket();
   open.triangles.pop_back();
