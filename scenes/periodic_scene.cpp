@@ -54,6 +54,23 @@ void check_walls(const Assembly& a) {
   }
 }
 
+/// What is held stands where it is written if that is within a cell of the cell, as far as its images reach; else an
+/// image of it does. The middle of its box counts: a mesh may be drawn far from its own point.
+void place_held(World& w, const ShapeStore& shapes) {
+  const PeriodicCell& cell = *w.cell;
+  for (Slot s = 0; s < w.size(); ++s) {
+    if (w.is_movable(s) || ShapeRef{w.shape[s]}.type() == ShapeStore::type_of<HalfSpace>()) continue;
+    const Vec3 middle = shapes.bounding_box(w, s).centre();
+    if (!middle.allFinite()) continue;
+    for (int k = 0; k < 3; ++k) {
+      const double n = cell.cells_to(middle, k);
+      if (!(std::abs(n) > 1.0 && std::abs(n) < 1e9)) continue;
+      w.position[s][k] -= n * cell.size[k];
+      w.wraps[s][k] += static_cast<int>(n);
+    }
+  }
+}
+
 }  // namespace
 
 void add_cell(Assembly& a) {
@@ -70,6 +87,7 @@ void add_cell(Assembly& a) {
   if (spec.deforms && a.scene.contact.method.value == Method::nonsmooth)
     throw SceneError("[world] domain: strain_rate and pressure work with contact.method = \"smooth\"", spec.place);
   check_walls(a);
+  place_held(a.simulation->world, *a.shapes);
   auto& events = a.simulation->events;
   if (spec.deforms) {
     CellControl control = spec.control;

@@ -437,6 +437,8 @@ double FatBodies::plane_use(const World& world, const ListFrame& now) const {
     const Quat turn = turns ? Quat(world.orientation[s] * orientation[s].conjugate()) : Quat(1, 0, 0, 0);
     const Vec3 n = turns && world.orientation[s].coeffs() != orientation[s].coeffs() ? Vec3(turn * p.normal) : p.normal;
     const Vec3 point = world.position[s];
+    // put back into the cell: its pairs bear the cells that it had passed
+    if (world.cell && ((point - p.point).array().abs() > 0.5 * world.cell->size.array()).any()) return infinity;
     const double nearer = most_of_corners(around, [&](const Vec3& x) {
       return (p.normal - n).dot(x - p.point) + n.dot(Vec3(point - p.point - now.way_from(x)));
     });

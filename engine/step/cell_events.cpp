@@ -9,17 +9,13 @@ namespace epafi {
 
 namespace {
 
-/// How far outside the cell a body goes on without being put back, along an axis [m]. Images of driven and fixed bodies
-/// reach one cell: what moves is put back as free bodies are, what stands where it is written if it is within reach.
-double slack_of(const World& world, Slot s, int axis, double slack) {
-  return world.is_movable(s) || world.velocity[s] != Vec3::Zero() ? slack : world.cell->size[axis];
-}
-
+/// What stands still is where the scene has put it, whatever its own point.
 bool is_outside(const World& world, Slot s, int axis, double slack) {
   const PeriodicCell& cell = *world.cell;
   if (!cell.repeats[static_cast<std::size_t>(axis)]) return false;
-  const double u = world.position[s][axis] - cell.low[axis], reach = slack_of(world, s, axis, slack);
-  return u < -reach || u >= cell.size[axis] + reach;
+  if (!world.is_movable(s) && world.velocity[s] == Vec3::Zero()) return false;
+  const double u = world.position[s][axis] - cell.low[axis];
+  return u < -slack || u >= cell.size[axis] + slack;
 }
 
 }  // namespace

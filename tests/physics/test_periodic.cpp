@@ -1,7 +1,9 @@
 // Periodic cells: an image is as good as the body; the cell's own deformation and what it costs in work.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <fstream>
 #include <numbers>
 
 #include "engine/state/state_snapshot.h"
@@ -383,5 +385,41 @@ TEST_CASE("tiles carry bodies wherever their motion or the scene puts them among
     INFO("draw " << draw << ", velocity " << world.velocity[body].transpose() << ", written " << own.transpose());
     CHECK((world.velocity[body] - own).norm() < 1e-4);
     CHECK(world.position[body].z() == Approx(0.06).margin(1e-3));
+  }
+}
+
+TEST_CASE("floors hold wherever their own point lies, standing or driven along", "[physics][periodic]") {
+  // planes and meshes whose point lies cells away, and planes that are put back on their way
+  Random random(9, 0);
+  const std::string folder = "/tmp/epafi_periodic_" + std::to_string(getpid());
+  for (int draw = 0; draw < 12; ++draw) {
+    const Vec3 low(random.uniform(-40, 40), random.uniform(-40, 40), -1.0);
+    const Vec3 point(random.uniform(-60, 60), random.uniform(-60, 60), 0.0);
+    const bool is_mesh = draw % 3 == 0, is_driven = draw % 3 == 1;
+    const std::string method = draw % 2 == 0 ? "smooth" : "nonsmooth", file = folder + ".obj";
+    std::ofstream out(file);
+    for (const double x : {-3.0, 5.0})
+      for (const double y : {-3.0, 5.0}) out << fmt::format("v {:.17g} {:.17g} 0\n", low.x() + x, low.y() + y);
+    out << "f 1 3 4\nf 1 4 2\n";
+    out.close();
+    INFO("draw " << draw << " " << method);
+    auto run = start_text(
+        materials + "run = { duration = 0.4, time_step = 2e-4, output_interval = 0.1 }\n" +
+        "world = { gravity = [0, 0, -9.81], domain = { min = " + vec(low) + ", max = " + vec(low + Vec3(2, 2.4, 3)) +
+        ", periodic = [\"x\", \"y\"] } }\n" + "contact = { method = \"" + method +
+        "\", restitution = 0.3, friction = " + (is_driven ? "0.0" : "0.3") +
+        " }\n[[body]]\nname = \"floor\"\nmaterial = \"m\"\nshape = " +
+        (is_mesh ? "{ mesh = { file = \"" + file + "\" } }\n"
+                 : std::string("{ half_space = { normal = [0, 0, 1] } }\nposition = ") + vec(point) + "\n") +
+        (is_driven ? "motion = { velocity = [30.0, 0, 0] }\n" : "fixed = true\n") +
+        "[[body]]\nname = \"ball\"\nshape = { sphere = { radius = 0.1 } }\nmaterial = \"m\"\nposition = " +
+        vec(low + Vec3(random.uniform(0, 2), random.uniform(0, 2.4), 1.1)) + "\n");
+    run.advance_to(2000);
+    REQUIRE(run.failure.empty());
+    const World& w = run.simulation().world;
+    const Slot ball = w.slot_of(Assembly::body_id(1));
+    REQUIRE(ball < w.size());
+    CHECK(w.position[ball].z() == Approx(0.1).margin(1e-3));
+    if (!is_driven) CHECK(w.angular_velocity[ball].norm() < 1e-6);  // a wrong image is a wrong lever
   }
 }
