@@ -17,8 +17,8 @@ namespace {
 constexpr double same_volume = 1e-9;      // relative: two parts whose hull has their volume are one convex part
 constexpr double rounding = 1e-12;        // of the size: what cuts are exact to
 constexpr std::size_t most_cells = 4096;  // before joining: far beyond the parts that a body can carry
-constexpr std::size_t most_cuts = 1 << 16;
-constexpr std::size_t most_choices = 64;  // cuts that are compared, of the largest faces
+constexpr std::size_t most_cuts = 1 << 16, most_depth = 2000;  // of the tree; a level takes about 1 kB of the stack
+constexpr std::size_t most_choices = 64;                       // cuts that are compared, of the largest faces
 
 /// What of a triangle lies in a cell: convex, in the plane of its face.
 struct Fragment {
@@ -173,17 +173,13 @@ class CellCutter {
     return out;
   }
 
-  static void drop(std::vector<Fragment>& fragments, std::uint32_t face) {
-    std::erase_if(fragments, [face](const Fragment& f) { return f.face == face; });
-  }
-
   void keep(const ClippedSolid& cell) {
     auto& corners = cells.emplace_back();
     for (std::size_t k = 0; k < cell.points(); ++k) corners.push_back(cell.point(k));
     is_complete = is_complete && cells.size() <= most_cells;
   }
 
-  void cut(ClippedSolid& cell, std::vector<Fragment> fragments) {
+  void cut(ClippedSolid& cell, std::vector<Fragment> fragments, std::size_t depth = 0) {
     if (!is_complete) return;
     if (fragments.empty()) {
       const Volume volume = cell.volume();
@@ -198,14 +194,14 @@ class CellCutter {
       return keep(cell);
     }
     const Plane plane = planes_[*face], back{-plane.normal, -plane.offset};
-    is_complete = ++cuts_ <= most_cuts;
+    is_complete = ++cuts_ <= most_cuts && depth < most_depth;
     // the face bounds both cells, however far its corners lie off its plane: so each cut leaves one face less
-    drop(fragments, *face);
+    std::erase_if(fragments, [&](const Fragment& f) { return f.face == *face; });
     ClippedSolid front = cell;
     std::vector<Fragment> beyond = behind(fragments, back);
     fragments = behind(fragments, plane);
-    if (cell.clip(plane)) cut(cell, std::move(fragments));
-    if (front.clip(back)) cut(front, std::move(beyond));
+    if (cell.clip(plane)) cut(cell, std::move(fragments), depth + 1);
+    if (front.clip(back)) cut(front, std::move(beyond), depth + 1);
   }
 
   const TriangleSurface& surface_;

@@ -14,26 +14,32 @@ namespace epafi {
 namespace {
 
 /// How far the corners of plane faces lie off their planes: the deepest groove between two triangles that is too
-/// shallow to be meant (of the diagonal). Ridges tell nothing: a fine convex surface has them.
-double groove_depth(const TriangleSurface& s) {
+/// shallow to be meant (of the diagonal), where several sides are so shallow or corners have been moved into planes.
+/// Ridges alone tell nothing: a fine convex surface has them.
+double groove_depth(const TriangleSurface& s, const JoinReport& report) {
   constexpr double meant = 1e-5;
+  const int several = report.moved > 0 ? 1 : 4;  // one or two of exact faces may be meant
   Aabb box;
   for (const Vec3& v : s.vertices) box.include(v);
   const double most = meant * box.extent().norm();
   const auto uses = sorted_edge_uses(s.triangles);
   const auto height = [&](const EdgeUse& over, const EdgeUse& of) {
     const FacePlane plane = plane_of(s, s.triangles[over.triangle]);
-    double high = -infinity;
+    double high = 0.0;
     for (const std::uint32_t v : s.triangles[of.triangle])
       if (v != of.low && v != of.high) high = plane.height(s.vertices[v]);
     return high;
   };
   double deepest = 0.0;
+  int shallow = 0;
   for (std::size_t k = 0; k + 1 < uses.size(); k += 2) {  // a closed surface: two uses of each edge
-    const double h = std::min(height(uses[k], uses[k + 1]), height(uses[k + 1], uses[k]));
-    if (h <= most) deepest = std::max(deepest, h);
+    const double h1 = height(uses[k], uses[k + 1]), h2 = height(uses[k + 1], uses[k]);
+    const double h = std::abs(h1) < std::abs(h2) ? h1 : h2;
+    if (!(4.0 * std::abs(h) > report.flatness && std::abs(h) <= most)) continue;
+    ++shallow;
+    deepest = std::max(deepest, h);
   }
-  return deepest;
+  return shallow < several ? 0.0 : deepest;
 }
 
 /// Joined, closed, its triangles counter-clockwise seen from outside.
@@ -65,7 +71,7 @@ PlacedSolid place_solid(TriangleSurface surface, const Place& place) {
 
 PlacedSolid place_solid(TriangleSurface given, const Place& place, double precision) {
   JoinedSurface joined = closed_surface(std::move(given), precision, place);
-  if (const double off = groove_depth(joined.surface); 4.0 * off > joined.report.flatness) {
+  if (const double off = groove_depth(joined.surface, joined.report); off > 0.0) {
     precision = off;  // the digits of the file promise more than its faces hold
     joined = closed_surface(std::move(joined.surface), precision, place);
   }

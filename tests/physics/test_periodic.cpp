@@ -407,7 +407,8 @@ TEST_CASE("floors hold wherever their own point lies, standing or driven along",
         materials + "run = { duration = 0.4, time_step = 2e-4, output_interval = 0.1 }\n" +
         "world = { gravity = [0, 0, -9.81], domain = { min = " + vec(low) + ", max = " + vec(low + Vec3(2, 2.4, 3)) +
         ", periodic = [\"x\", \"y\"] } }\n" + "contact = { method = \"" + method +
-        "\", restitution = 0.3, friction = 0.0 }\n[[body]]\nname = \"floor\"\nmaterial = \"m\"\nshape = " +
+        "\", restitution = 0.3, friction = " + (is_driven ? "0.0" : "0.3") +
+        " }\n[[body]]\nname = \"floor\"\nmaterial = \"m\"\nshape = " +
         (is_mesh ? "{ mesh = { file = \"" + file + "\" } }\n"
                  : std::string("{ half_space = { normal = [0, 0, 1] } }\nposition = ") + vec(point) + "\n") +
         (is_driven ? "motion = { velocity = [30.0, 0, 0] }\n" : "fixed = true\n") +
@@ -417,7 +418,8 @@ TEST_CASE("floors hold wherever their own point lies, standing or driven along",
     REQUIRE(run.failure.empty());
     const World& w = run.simulation().world;
     const Slot ball = w.slot_of(Assembly::body_id(1));
+    REQUIRE(ball < w.size());
     CHECK(w.position[ball].z() == Approx(0.1).margin(1e-3));
-    CHECK(w.angular_velocity[ball].norm() < 1e-6);
+    if (!is_driven) CHECK(w.angular_velocity[ball].norm() < 1e-6);  // a wrong image is a wrong lever
   }
 }
