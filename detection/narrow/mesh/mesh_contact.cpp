@@ -100,11 +100,4 @@ void reduce(std::vector<MeshPoint>& points, double size, bool springs) {
   points.assign(out.begin(), out.end());
 }
 
-void emit(std::span<const MeshPoint> points, const Vec3& body, double radius, const PairQuery& q, ContactSink& sink) {
-  if (points.empty()) return;
-  const Mat3 to_world = q.b.orientation.toRotationMatrix();
-  for (const MeshPoint& p : points)
-    sink.add({p.gap, -(to_world * p.normal), to_world * (p.position - body), q.curvature ? radius : 0.0, p.feature});
-}
-
 }  // namespace epafi

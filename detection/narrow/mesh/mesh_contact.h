@@ -83,7 +83,15 @@ void drop_far(const TriangleMesh& mesh, const Vec3& x, double distance, std::siz
 /// takes of their outline (manifold.h).
 void reduce(std::vector<MeshPoint>& points, double size, bool springs);
 
-/// Adds the points to the sink, with the body as A. body: its pose in the mesh's axes.
-void emit(std::span<const MeshPoint> points, const Vec3& body, double radius, const PairQuery& q, ContactSink& sink);
+/// Contacts of these points. radius_towards(n): the body's radius for R* where n leaves it, in axes of the mesh [m].
+template <class Radius>
+void emit(std::span<const MeshPoint> points, const Vec3& body, const Radius& radius_towards, const PairQuery& q,
+          ContactSink& sink) {
+  if (points.empty()) return;
+  const Mat3 to_world = q.b.orientation.toRotationMatrix();
+  for (const MeshPoint& p : points)
+    sink.add({p.gap, -(to_world * p.normal), to_world * (p.position - body),
+              q.curvature ? radius_towards(Vec3(-p.normal)) : 0.0, p.feature});
+}
 
 }  // namespace epafi

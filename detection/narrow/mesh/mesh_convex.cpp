@@ -71,7 +71,10 @@ class ConvexOnMesh {
     else
       meet_regions();
     reduce(out_, size, !(q.reach > 0.0));
-    emit(out_, pose.position, guest.radius, q, sink);
+    const auto radius_towards = [&](const Vec3& n) {
+      return guest.radius.against_flat(pose.orientation.conjugate() * n);
+    };
+    emit(out_, pose.position, radius_towards, q, sink);
   }
 
  private:

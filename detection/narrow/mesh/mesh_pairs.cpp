@@ -233,7 +233,8 @@ void collide_triangles(const Capsule& a, const TriangleMesh& b, std::span<const 
   collide_end(low, 0);
   if (a.length > 0.0) collide_end(high, 1);
   SideOnMesh(b, triangles, a.radius, q.reach).collide(low, 2.0 * half, points);
-  emit(points, centre, a.radius, q, sink);
+  emit(
+      points, centre, [&](const Vec3&) { return a.radius; }, q, sink);
 }
 
 }  // namespace epafi

@@ -11,6 +11,7 @@
 #include "detection/narrow/mesh/mesh_contact.h"
 #include "detection/narrow/pairs/closed_forms.h"
 #include "detection/narrow/pairs/convex_pairs.h"
+#include "detection/narrow/pairs/pair_radius.h"
 #include "detection/shapes/capsule.h"
 #include "detection/shapes/sphere.h"
 
@@ -28,7 +29,8 @@ void collide_triangles(const Capsule& a, const TriangleMesh& b, std::span<const 
 /// A convex body behind pointers, against the convex regions of the surface (mesh_region.h).
 struct MeshGuest {
   ConvexRef core;
-  double sweep, radius;  ///< of the sphere swept over the core, and that of its contacts [m]
+  double sweep;  ///< radius of the sphere swept over the core [m]
+  TouchingRadius radius;
   const void* shape;
   void (*on_plane)(const void* shape, const HalfSpace& plane, const PairQuery& q, ContactSink& sink);
   FlatSide (*facing)(const void* shape, const Vec3& d) = nullptr;  ///< null where it has no flat sides, or faces
@@ -43,7 +45,7 @@ void collide_triangles(const S& a, const TriangleMesh& b, std::span<const std::u
   const auto on_plane = [](const void* shape, const HalfSpace& plane, const PairQuery& query, ContactSink& out) {
     collide_closed(*static_cast<const S*>(shape), plane, query, out);
   };
-  MeshGuest guest{ConvexRef::to(a), a.rounding(), contact_radius(a), &a, on_plane};
+  MeshGuest guest{ConvexRef::to(a), a.rounding(), TouchingRadius::of(a), &a, on_plane};
   PolyhedronView view;
   if constexpr (PolyhedralShape<S>) guest.polyhedron = &(view = a.view());
   if constexpr (HasFlatSides<S>) guest.facing = facing_of<S>;
