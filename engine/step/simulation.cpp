@@ -205,7 +205,7 @@ std::optional<Failure> Simulation::make_remote_step(double dt, bool sort, bool r
   if (sound) return std::nullopt;
   gather_state();
   remote->fetch_seen(*this, ContactView::all);
-  return look_at_strays();
+  return check_positions();
 }
 
 void Simulation::gather_state() {

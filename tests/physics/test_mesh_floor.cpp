@@ -1,5 +1,7 @@
 // A sphere that slides, comes to roll and rolls over the edges and vertices of triangulated floors moves as on the
 // plane: no kick at any resolution, with either method of contact.
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <fstream>
 
@@ -90,5 +92,34 @@ TEST_CASE("a sphere slides and rolls over meshes of any resolution as on the pla
            << ", " << cells << " cells: largest difference of velocity " << kick << " m/s");
       CHECK(kick < 1e-9);
     }
+  }
+}
+
+TEST_CASE("round bodies press a mesh as they press the plane", "[physics][mesh]") {
+  const std::string floor = std::string(EPAFI_BINARY_DIR) + "/mesh_floor_round.obj";
+  write_floor(floor, 3, 0.2);
+  const std::string walls[] = {"{ mesh = { file = \"" + floor + "\" } }", "{ half_space = { normal = [0, 0, 1] } }"};
+  Random random(211, 0);
+  for (int draw = 0; draw < 20; ++draw) {
+    const Vec3 axes(random.uniform(0.05, 0.2), random.uniform(0.05, 0.2), random.uniform(0.05, 0.2));
+    const Quat q = testing::random_turn(random);
+    const double height = (axes.asDiagonal() * (q.conjugate() * Vec3::UnitZ())).norm();  // of an ellipsoid
+    const std::string body = fmt::format(
+        "[[body]]\nmaterial = \"m\"\nshape = {{ ellipsoid = {{ semi_axes = [{:.17g}, {:.17g}, {:.17g}] }} }}\n"
+        "position = [0.31, 0.17, {:.17g}]\norientation = [{:.17g}, {:.17g}, {:.17g}, {:.17g}]\n",
+        axes[0], axes[1], axes[2], 0.999 * height, q.w(), q.x(), q.y(), q.z());
+    double force[2];
+    for (int k = 0; k < 2; ++k) {
+      auto run = experiments::start_text(
+          "run = { duration = 1e-6, time_step = 1e-6 }\n"
+          "material.m = { density = 1000, youngs_modulus = 1e7, poissons_ratio = 0.3 }\n"
+          "contact = { method = \"smooth\", restitution = 0.5, friction = 0.0 }\n[[body]]\nmaterial = \"m\"\nfixed = "
+          "true\nshape = " +
+          walls[k] + "\n" + body);
+      force[k] = run.simulation().world.force[run.simulation().world.slot_of(BodyId{1})].z();
+    }
+    INFO("draw " << draw);
+    CHECK(force[1] > 0.0);
+    CHECK(force[0] == Approx(force[1]).epsilon(1e-9));
   }
 }
