@@ -141,7 +141,7 @@ struct Jkr {
     const Real moved = c.step.dt * c.middle_velocity, late = c.step.dt * c.approach_velocity;
     // c ~ sqrt(k) ~ sqrt(a)
     out.share_before = old / u * begun_share<Real>(c.overlap - moved, 3.0 * moved - 2.0 * late, none);
-    const Real begun = if_less(none, begins, begun_share<Real>(c.overlap, moved, none), one);
+    const Real begun = begun_share<Real>(c.overlap, moved, none);
     out.dashpot = begun * p.damping * sqrt(c.effective_mass * out.stiffness);
     const Real viscous = c.viscous(out.dashpot, out.stiffness);
     out.adhesion = if_less(none, alive, 4.71238898038469 * p.work * R, none);

@@ -380,7 +380,7 @@ TEST_CASE("a chain of damped contacts is quiet below its stable step and flicker
     double low = 0.0, high = std::sqrt(m / k);  // undamped the limit of a chain is sqrt(m/k)
     for (int step = 0; step < 50; ++step) {
       const double middle = 0.5 * (low + high);
-      (4.0 / m * damped_weight(k, c, 2.0 / m, middle) < 1.0 ? low : high) = middle;
+      (4.0 / m * damped_weight(k, damper_in_step(middle / m, c, 0.0), 2.0 / m, middle) < 1.0 ? low : high) = middle;
     }
     const double dt = part * low;
     CHECK(dt < 0.85 * std::sqrt(m / k));  // the damper decides
