@@ -107,7 +107,9 @@ EPAFI_LANES Real viscous_loss(const KinematicsOf<Real>& at, const ResponseOf<Rea
     const Real moved = at.step.dt * at.middle_velocity, late = at.step.dt * at.approach_velocity;
     const Real begun = begun_share<Real>(at.overlap, moved, r.growth);
     now.before = dashpot_before<Real>(at.overlap, moved, r.growth);
-    now.before.part = now.before.part * begun_share<Real>(at.overlap - moved, 3.0 * moved - 2.0 * late, r.growth);
+    const Real overlap_before = at.overlap - moved, moved_before = 3.0 * moved - 2.0 * late;
+    now.before.part = now.before.part * begun_share<Real>(overlap_before, moved_before, r.growth);
+    now.before.begun = has_begun<Real>(overlap_before, moved_before);
     now.before.whole = now.before.whole * begun;
     now.dashpot = now.dashpot * begun;
   }

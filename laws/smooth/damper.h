@@ -45,6 +45,14 @@ EPAFI_LANES Real damper_in_step(const Real& half_mobility, const Real& dashpot, 
   return dashpot / (1.0 + max(2.0 - 4.0 / 3.0 * growth, Real{}) * share * share);
 }
 
+/// 1 where a contact has begun between the last step and this one, else 0. moved: growth of the overlap in the step
+/// [m].
+template <class Real>
+EPAFI_LANES Real has_begun(const Real& overlap, const Real& moved) {
+  const Real one = Real{} + 1.0, way = (1.0 + 1e-6) * moved;  // also where both are equal but for rounding
+  return if_less(Real{}, overlap, if_less(overlap, way, one, Real{}), Real{});
+}
+
 /// Weight of a dashpot c ~ overlap^growth, growth <= 1, in the first step of a contact, else 1. moved: what the overlap
 /// has grown by in the step [m]. First seen at an overlap of theta moved, 0 < theta <= 1, the dashpot has acted for
 /// theta + 1/2 of a step: the weight is (theta + 1/2)^(1 + q)/((1 + q) theta^q), its powers by a Pade approximant.
@@ -52,18 +60,19 @@ EPAFI_LANES Real damper_in_step(const Real& half_mobility, const Real& dashpot, 
 template <class Real>
 EPAFI_LANES Real begun_share(const Real& overlap, const Real& moved, const Real& growth) {
   const Real one = Real{} + 1.0, least = Real{} + 1e-300;
-  const Real way = max((1.0 + 1e-6) * moved, least);  // theta = 1 counts, whatever its rounding
+  const Real way = max((1.0 + 1e-6) * moved, least);
   if (!any_less(overlap, way)) return one;
   const Real twice = 2.0 * max(overlap, Real{}), passed = 0.5 * (twice + way), q = min(growth, one);
   const Real turned = q * (passed - twice), mean = 1.0 - 0.25 * q * (1.0 - q);
   const Real power = mean * (passed + twice + turned) / max(passed + twice - turned, 0.01 * passed);
-  return if_less(Real{}, overlap, if_less(overlap, way, passed / way * power, one), one);
+  return if_less(Real{}, has_begun(overlap, moved), passed / way * power, one);
 }
 
 /// c of the step before over c now: part/whole; part 0 where there was no contact.
 template <class Real>
 struct DashpotBefore {
   Real part{}, whole{};
+  Real begun{};  ///< 1 where the contact began in the previous step, else 0
 };
 
 /// The same for c ~ overlap^q, with moved = dt v_middle: (1 - moved/overlap)^q by the Pade approximant [1/1] (more
@@ -73,7 +82,7 @@ template <class Real>
 EPAFI_LANES DashpotBefore<Real> dashpot_before(const Real& overlap, const Real& moved, const Real& growth) {
   const Real half = 0.5 * moved, turned = growth * half;
   const Real part = max(Real{}, overlap - half - turned), whole = max(overlap - half + turned, 0.5 * overlap);
-  return {select(overlap > moved, part, Real{}), whole};
+  return {select(overlap > moved, part, Real{}), whole, Real{}};
 }
 
 /// A contact now, for the energy balance.
@@ -98,7 +107,8 @@ EPAFI_LANES Real dashpot_power(const DamperStep<Real>& step, const Real& push, c
   const Real part = now.before.part, whole = now.before.whole;
   const Real lag = damper_share * (step.half_mobility * now.dashpot);
   const Real spring = (step.dt * step.half_mobility) * now.stiffness;
-  const Real top = now.dashpot * part * ((whole - lag * part) * first + (2.0 * lag * part - spring * whole) * before);
+  const Real late = first + now.before.begun * (before - first);  // no force of this contact had been predicted
+  const Real top = now.dashpot * part * ((whole - lag * part) * late + (2.0 * lag * part - spring * whole) * before);
   const Real spring_before = max(Real{}, now.elastic - now.stiffness * (step.dt * v_middle));
   const Real push_before = max(top / max(whole * (whole + lag * part), Real{} + 1e-300), -spring_before);
   return push * v_middle + push_before * gained;

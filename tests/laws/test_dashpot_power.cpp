@@ -42,7 +42,7 @@ Booked impact_on_plane(const std::string& law, double elastic_power, double e, d
 }  // namespace
 
 TEST_CASE("the loss told of a dashpot is its work on the way that the body goes", "[laws][smooth][energy]") {
-  const std::pair<double, double> bounds[] = {{0.9, 2e-5}, {0.6, 1e-4}, {0.3, 6e-4}, {0.1, 5e-3}};
+  const std::pair<double, double> bounds[] = {{0.9, 2e-5}, {0.6, 1e-4}, {0.3, 5e-4}, {0.1, 3e-3}};
   const std::tuple<std::string, double, Parameters> laws[] = {
       {"hertz", 2.5, {}},
       {"linear", 2.0, parameters_of({{"stiffness", 1e5}})},
