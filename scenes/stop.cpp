@@ -1,5 +1,7 @@
 #include "scenes/stop.h"
 
+#include <time.h>
+
 #include <csignal>
 #include <cstdlib>
 
@@ -7,10 +9,22 @@ namespace epafi {
 
 namespace {
 volatile std::sig_atomic_t received_signal = 0;
-int watches = 0;  // alive, one within the other
+volatile double received_at = 0.0;  // [s]
+int watches = 0;                    // alive, one within the other
 
+double seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// `timeout` and terminals send one wish twice, to a process and to its group: what follows at once is no second wish.
 void on_signal(int number) {
-  if (received_signal != 0) std::_Exit(128 + number);
+  constexpr double echo = 0.5;  // [s]
+  if (received_signal == 0)
+    received_at = seconds();
+  else if (seconds() - received_at > echo)
+    std::_Exit(128 + number);
   received_signal = number;
 }
 }  // namespace

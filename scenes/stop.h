@@ -6,8 +6,8 @@
 
 namespace epafi {
 
-/// Catches SIGINT and SIGTERM while it lives: the step is finished, a checkpoint written. A second signal ends at once.
-/// One within another adds nothing.
+/// Catches SIGINT and SIGTERM while it lives: the step is finished, a checkpoint written. A second signal, half
+/// a second later or more, ends at once. One watch within another adds nothing.
 class SignalWatch {
  public:
   SignalWatch();

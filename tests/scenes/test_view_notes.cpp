@@ -100,10 +100,17 @@ TEST_CASE("an interrupted run says in picture, page and report how far it came",
   const TemporaryFolder folder;
   const fs::path run = folder / "run";
   std::ofstream(folder / "scene.toml") << resting_balls(1000, 1e-5);
+  std::mt19937 random(53);
+  std::uniform_real_distribution<> wait(0, 0.05);
   for (const char* signal : {"INT", "TERM"}) {
     fs::remove_all(run);
-    const std::string start = "run " + (folder / "scene.toml").string() + " -q -t 1 -o " + run.string();
-    CHECK(told_by(folder, start, "timeout -s " + std::string(signal) + " 1 ").code != 0);
+    // once for the program and once for its group, as `timeout` and terminals do
+    const std::string kill = "kill -s " + std::string(signal) + " $! 2> /dev/null; ";
+    const std::string until_begun = "while [ ! -f " + (run / "run.h5").string() + " ]; do sleep 0.01; done; ";
+    const std::string start = EPAFI_BINARY_DIR "/bin/epafi run " + (folder / "scene.toml").string() + " -q -t 1 -o " +
+                              run.string() + " 2> /dev/null & " + until_begun;
+    const auto pause = [&] { return "sleep " + std::to_string(wait(random)) + "; "; };
+    CHECK(std::system((start + pause() + kill + pause() + kill + "wait $!").c_str()) != 0);
     const auto source = open_run(run);
     const std::string said = source->stop_text();
     INFO(said);
