@@ -98,22 +98,23 @@ concept NormalLaw = LawPart<L> &&
   };  ///< state before, state now
 };
 
-/// Power lost in the dashpot of a law [W] (laws/smooth/damper.h). remembers: the law has memory.
+/// What the dashpot of a law loses (laws/smooth/damper.h). remembers: the law has memory.
 template <class Real>
-EPAFI_LANES Real viscous_loss(const KinematicsOf<Real>& at, const ResponseOf<Real>& r, bool remembers) {
-  const Real damper = damper_in_step<Real>(at.step.half_mobility, r.dashpot, r.growth);
+EPAFI_LANES DashpotLoss<Real> viscous_loss(const KinematicsOf<Real>& at, const ResponseOf<Real>& r, bool remembers) {
+  const double before = at.step.before;
+  const Real damper = damper_in_step<Real>(before * at.step.half_mobility, r.dashpot, r.growth);
   DampedContact<Real> now{r.elastic_force + r.adhesion, r.stiffness, damper, {r.share_before, Real{} + 1.0}};
   if (!remembers) {
     const Real moved = at.step.dt * at.middle_velocity, late = at.step.dt * at.approach_velocity;
     const Real begun = begun_share<Real>(at.overlap, moved, r.growth);
     now.before = dashpot_before<Real>(at.overlap, moved, r.growth);
-    const Real overlap_before = at.overlap - moved, moved_before = 3.0 * moved - 2.0 * late;
+    const Real overlap_before = at.overlap - moved, moved_before = before * (moved - (1.0 + before) * (late - moved));
     now.before.part = now.before.part * begun_share<Real>(overlap_before, moved_before, r.growth);
     now.before.begun = has_begun<Real>(overlap_before, moved_before);
     now.before.whole = now.before.whole * begun;
     now.dashpot = now.dashpot * begun;
   }
-  return dashpot_power<Real>(at.step, r.force - r.elastic_force, at.approach_velocity, at.middle_velocity, now);
+  return dashpot_loss<Real>(at.step, r.force - r.elastic_force, at.approach_velocity, at.middle_velocity, now);
 }
 
 /// A normal law that also evaluates several contacts at once.

@@ -24,6 +24,18 @@ template <class Real>
 struct DamperStep {
   double dt = 0.0;       ///< [s]
   Real half_mobility{};  ///< dt/(2 m*) [s/kg], of rolling dt/(2 I); 0: D = c v_late
+  double before = 1.0;   ///< the step before over this one
+};
+
+/// DamperStep::before of one step after the other.
+struct StepRatio {
+  double last = 0.0;  ///< [s]
+  double next(double dt) {
+    if (!(dt > 0.0)) return 1.0;
+    const double before = last > 0.0 ? last : dt;
+    last = dt;
+    return before / dt;
+  }
 };
 
 /// D [N], positive along the velocities (numbers or vectors). v_late: predicted from the last force; v_middle: in the
@@ -94,24 +106,32 @@ struct DampedContact {
   DashpotBefore<Real> before{};
 };
 
-/// Power lost by a dashpot with force D [W], such that its trapezoidal sum over steps is the work of D along the
-/// bodies' motion: the sum of D_n v_n with v_n = v_middle + dt/2 a_n, the velocity at the end of step n. The
-/// acceleration a_n, of all contacts, is known only in the next step, as (v_late - v_middle) 2/dt. So each step returns
-/// D v_middle and, for the previous force, D_before dt/2 a. D_before is recomputed from the velocities and the dashpot
-/// of its step, limited because contacts do not pull. Its error is of third order in dt. With the predicted velocity
-/// instead, energy errors would be 5e-3 for a loaded column of four and 4e-2 for a single impact at e = 0.1.
+/// What a dashpot loses.
 template <class Real>
-EPAFI_LANES Real dashpot_power(const DamperStep<Real>& step, const Real& push, const Real& v_late, const Real& v_middle,
-                               const DampedContact<Real>& now) {
-  const Real gained = v_late - v_middle, first = v_middle - gained, before = first - gained;
+struct DashpotLoss {
+  Real power{};  ///< D v_middle of the force now, to be summed over steps by the trapezoidal rule [W]
+  Real late{};   ///< what the previous force lost beyond that [J]
+};
+
+/// Loss of a dashpot with force D such that its sum over steps is the work of D along the bodies' motion: the sum of
+/// D_n v_n with v_n = v_middle + dt/2 a_n, the velocity at the end of step n. The acceleration a_n, of all contacts, is
+/// known only in the next step, as (v_late - v_middle) 2/dt: that part comes late. D_before is recomputed from the
+/// velocities and the dashpot of its step, limited because contacts do not pull. Its error is of third order in dt.
+/// With the predicted velocity instead, energy errors would be 5e-3 for a loaded column of four and 4e-2 for a single
+/// impact at e = 0.1.
+template <class Real>
+EPAFI_LANES DashpotLoss<Real> dashpot_loss(const DamperStep<Real>& step, const Real& push, const Real& v_late,
+                                           const Real& v_middle, const DampedContact<Real>& now) {
+  const double r = step.before;
+  const Real first = v_middle - (v_late - v_middle), gained = r * (v_late - v_middle), before = first - gained;
   const Real part = now.before.part, whole = now.before.whole;
-  const Real lag = damper_share * (step.half_mobility * now.dashpot);
-  const Real spring = (step.dt * step.half_mobility) * now.stiffness;
+  const Real lag = damper_share * (r * step.half_mobility * now.dashpot);
+  const Real spring = (r * r * step.dt * step.half_mobility) * now.stiffness;
   const Real late = first + now.before.begun * (before - first);  // no force of this contact had been predicted
   const Real top = now.dashpot * part * ((whole - lag * part) * late + (2.0 * lag * part - spring * whole) * before);
   const Real spring_before = max(Real{}, now.elastic - now.stiffness * (step.dt * v_middle));
   const Real push_before = max(top / max(whole * (whole + lag * part), Real{} + 1e-300), -spring_before);
-  return push * v_middle + push_before * gained;
+  return {push * v_middle, 0.5 * (1.0 + r) * step.dt * push_before * gained};
 }
 
 /// dt^2/4 k plus the dashpot's part for a force that alternates from step to step [kg]. A body is stable while the sum

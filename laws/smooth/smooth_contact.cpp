@@ -47,6 +47,7 @@ SmoothSums& SmoothSums::operator+=(const SmoothSums& o) {
   spring_energy += o.spring_energy;
   spring_work += o.spring_work;
   viscous_power += o.viscous_power;
+  late += o.late;
   driven_power += o.driven_power;
   lost += o.lost;
   return *this;
@@ -99,7 +100,7 @@ void SmoothContact::act(World& world, ContactSet& contacts, const StepClock& clo
       if (law_.rolls) exchange(*reinterpret_cast<Spring*>(record + rolling_at_));
     });
   EPAFI_REQUIRE(world.rotates() || !law_.needs.friction, "friction and rolling need a world with rotation");
-  const SmoothSums sums = run({world, contacts, clock.dt, lag, world.rotates()});
+  const SmoothSums sums = run({world, contacts, clock.dt, lag, world.rotates(), ratio_.next(clock.dt)});
   if (law_.remembers() && clock.dt == 0.0) memory_.keep();
   if (clock.touched)
     gather_forces(contacts, touched_, world, *clock.touched);
@@ -120,6 +121,7 @@ void SmoothContact::reorder(const Reordering& change) {
 void SmoothContact::visit(StateVisitor& visitor) {
   visitor.share("smooth/viscous_power", before_.viscous_power);
   visitor.share("smooth/driven_power", before_.driven_power);
+  visitor.share("smooth/step", ratio_.last);
   if (law_.needs.friction) visitor.share("smooth/spring_energy", before_.spring_energy);
   if (law_.remembers()) memory_.visit(visitor);
 }
@@ -180,13 +182,15 @@ inline void SmoothContact::evaluate(const Call& call, std::size_t i, SmoothSums&
   at.effective_radius = t.radius =
       law_.contact.curvature ? contacts.effective_radius[i] : std::numeric_limits<double>::quiet_NaN();
   if (law_.contact.area) at.area = contacts.area[i];
-  if (call.lag > 0.0) at.step = {call.dt, call.lag / at.effective_mass};
+  if (call.lag > 0.0) at.step = {call.dt, call.lag / at.effective_mass, call.before};
 
   const double* numbers = law_.numbers.data() + law_.per_pair * t.pair;
   const NormalResponse normal = normal_.one(numbers, at, t.before, t.now, law_.locates ? &call.dt : nullptr);
   sums.lost += normal.lost;
   sums.elastic += normal.energy;
-  sums.viscous_power += viscous_loss(at, normal, law_.state > 0);
+  const DashpotLoss<double> loss = viscous_loss(at, normal, law_.state > 0);
+  sums.viscous_power += loss.power;
+  sums.late += loss.late;
   t.stiffness = normal.stiffness;
   t.grip = std::max(0.0, normal.force + normal.adhesion);
 
@@ -314,7 +318,7 @@ void SmoothContact::record(const SmoothSums& now, const ContactSet& contacts, do
   report.work = 0.5 * dt * (before_.driven_power + now.driven_power);
   Losses& lost = report.losses = {};
   if (dt > 0.0) {
-    lost.viscous = 0.5 * dt * (before_.viscous_power + now.viscous_power);
+    lost.viscous = 0.5 * dt * (before_.viscous_power + now.viscous_power) + now.late;
     lost.frictional = now.spring_work - (now.spring_energy - before_.spring_energy);
     if (!law_.holds) lost.plastic = now.lost;
   }

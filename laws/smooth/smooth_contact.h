@@ -20,6 +20,7 @@ struct SmoothSums {
   double spring_energy = 0.0;  ///< of the friction and rolling springs [J]
   double spring_work = 0.0;    ///< done on the springs during the step [J]
   double viscous_power = 0.0;  ///< lost in dampers now [W]
+  double late = 0.0;           ///< as DashpotLoss::late [J]
   double driven_power = 0.0;   ///< of driven bodies on the others now [W]
   double lost = 0.0;           ///< to plastic deformation and adhesion during the step [J]
 
@@ -62,6 +63,7 @@ class SmoothContact final : public ContactModel {
     ContactSet& contacts;
     double dt, lag;
     bool rotates;
+    double before;  ///< as DamperStep::before
   };
   /// A contact that touches, as the parts below share it.
   struct Touch {
@@ -103,6 +105,7 @@ class SmoothContact final : public ContactModel {
   TouchedBodies touched_;  ///< where they are few
   std::vector<SmoothSums> blocks_;
   SmoothSums before_;  ///< of the last call
+  StepRatio ratio_;
 };
 
 }  // namespace epafi

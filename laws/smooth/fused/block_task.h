@@ -36,6 +36,7 @@ struct BlockTask {
     }
     block.touching = total.touching;
     block.viscous = total.viscous.total();
+    block.late = total.late.total();
     block.lost = total.lost.total();
     if (arrays.tells_energy) block.elastic = total.elastic.total() + 0.5 * total.twice_stored.total();
     block.slipped = 0.5 * total.twice_slipped.total() + total.released;

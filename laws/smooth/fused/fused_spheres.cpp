@@ -190,6 +190,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     visitor.share("spheres/others", others_);
     visitor.share("spheres/viscous_power", viscous_power_);
     visitor.share("spheres/driven_power", driven_power_);
+    visitor.share("spheres/step", ratio_.last);
   }
 
  private:
@@ -267,7 +268,8 @@ class FusedModel final : public FusedSpheres, public SharedModel {
 
   /// What every block reads and writes; its own sums and moments come on top.
   SphereArrays arrays_of(const World& world, const StepClock& clock, bool tells_energy) {
-    SphereArrays arrays{blocks_.planes().data(), all_states(world), 0, clock.dt, lag(clock), law_.damped, tells_energy};
+    SphereArrays arrays{blocks_.planes().data(), all_states(world), 0,           clock.dt, lag(clock),
+                        ratio_.next(clock.dt),   law_.damped,       tells_energy};
     if (!world.owner.empty()) blocks_.balls().by_place(world.owner, owner_);
     arrays.owner = world.owner.empty() ? nullptr : owner_.data();
     arrays.passes = &passes_;
@@ -364,11 +366,12 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       report.touching += block.touching;
       report.elastic += block.elastic;
       viscous_power += block.viscous;
+      lost.viscous += block.late;
       if (dt > 0.0) lost.frictional += block.slipped;
       // with adhesion bodies that touch at the start meet there
       if (law_.holds || dt > 0.0) (law_.holds ? lost.adhesive : lost.plastic) += block.lost;
     }
-    lost.viscous = 0.5 * dt * (viscous_power_ + viscous_power);
+    lost.viscous += 0.5 * dt * (viscous_power_ + viscous_power);
     viscous_power_ = viscous_power;
     report.losses += lost;
     report.dissipated += lost.viscous + lost.frictional + lost.plastic + lost.adhesive;
@@ -481,8 +484,9 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   std::vector<Extent> extents_, next_extents_;      ///< of this step and of the next one, by block
   Extent extent_;
   bool has_extent_ = false;
-  double viscous_power_ = 0.0;      ///< of the dampers at the last call [W]
-  double driven_power_ = 0.0;       ///< of driven balls at the last call [W]
+  double viscous_power_ = 0.0;  ///< of the dampers at the last call [W]
+  double driven_power_ = 0.0;   ///< of driven balls at the last call [W]
+  StepRatio ratio_;
   mutable bool published_ = false;  ///< the contacts of this step are in the set already
   mutable SpherePublisher publisher_;
   SphereBlocks blocks_;

@@ -108,6 +108,7 @@ class SphereBlocks {
     double elastic = 0.0;                ///< elastic energy of the contacts at the last measurement [J]
     double slipped = 0.0;                ///< lost by slip in the step [J]
     double viscous = 0.0;                ///< power lost in the dampers [W]
+    double late = 0.0;                   ///< as DashpotLoss::late [J]
     double lost = 0.0;                   ///< to plastic deformation or adhesion in the step [J]
     std::array<OrderFreeSum, 3> virial;  ///< force on A times branch, by axis [N m]; in a periodic cell only
     std::size_t touching = 0;  ///< number of touching contacts, without those of other processes or broken ones

@@ -305,7 +305,7 @@ struct SphereSweep {
     if constexpr (periodic && !wall)
       if (with.owner != nullptr) [[unlikely]]
         leave_out_virials<n>(t, with);
-    total_up<n, remembers, periodic && !wall>(t, total, with.tells_energy, passes.needs.normal);
+    total_up<n, remembers, periodic && !wall>(t, total, with.tells_energy, with.lag > 0.0, passes.needs.normal);
     at.write += static_cast<std::uint32_t>(t.count);
     if (across) at.record += static_cast<std::uint32_t>(t.count);
   }
@@ -327,12 +327,12 @@ struct SphereSweep {
     const Passes& passes = *with.passes;
     SphereSprings& springs = block.springs;
     if constexpr (!remembers) {
-      passes.normal({call, nullptr, nullptr, with.lag, with.tells_energy, passes.locates});
+      passes.normal({call, nullptr, nullptr, with.lag, with.ratio, with.tells_energy, passes.locates});
     } else {
       alignas(64) double before[most], now[most];
       double* const column = springs.normal();
       if (passes.needs.normal) t.gather_apart(column, row, before);
-      passes.normal({call, before, now, with.lag, with.tells_energy, passes.locates});
+      passes.normal({call, before, now, with.lag, with.ratio, with.tells_energy, passes.locates});
       if (passes.needs.normal) remember(t, before, now, with.dt > 0.0 ? column + at.write : nullptr);
       SphereSpring gathered[most];
       if (passes.tangential == nullptr) {

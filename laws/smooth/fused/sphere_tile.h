@@ -14,6 +14,7 @@ struct SphereArrays {
   const BodyState* states;
   std::uintptr_t sums;  ///< address of slot 0, were it there: those of the block are
   double dt, lag;       ///< of the step; from its middle to the time of the predicted velocities [s]
+  double ratio;         ///< as DamperStep::before
   bool damped;
   bool tells_energy;  ///< the stored energy is needed
   const struct Passes* passes = nullptr;
@@ -57,6 +58,7 @@ struct SphereArrays {
 template <int n>
 struct SphereTotals {
   LaneSum<n> elastic, viscous;                              ///< of the normal parts [J], [W]
+  LaneSum<n> late;                                          ///< as DashpotLoss::late [J]
   LaneSum<n> twice_stored, twice_slipped;                   ///< of the springs [J]
   VirialTerms virial;                                       ///< with a periodic cell [N m]
   LaneSum<n> lost;                                          ///< to plastic deformation or adhesion [J]
@@ -104,7 +106,7 @@ struct SphereTile {
     V shrink;                  ///< old compliance times stiffness
     V3 start, load;            ///< at the start of the step, and now [N]
     // what SphereTotals sums
-    V elastic, viscous, lost, twice_stored, twice_slipped;
+    V elastic, viscous, late, lost, twice_stored, twice_slipped;
     V virial_x, virial_y, virial_z;
   };
   Group group[size];
@@ -305,7 +307,8 @@ template <int n>
     const int lane = static_cast<int>(k % n);
     if (!wall && (is_held(t.bodies[k].a) || is_held(t.bodies[k].b)))
       c.force[lane] = c.load.x[lane] = c.load.y[lane] = c.load.z[lane] = 0.0;
-    c.elastic[lane] = c.viscous[lane] = c.lost[lane] = c.twice_stored[lane] = c.twice_slipped[lane] = 0.0;
+    c.elastic[lane] = c.viscous[lane] = c.late[lane] = c.lost[lane] = c.twice_stored[lane] = c.twice_slipped[lane] =
+        0.0;
     --total.touching;
   }
 }
@@ -324,7 +327,7 @@ template <int n>
 /// Adds what the contacts of a tile come to. At its end and not in every loop: masks and sums in memory were 25
 /// instructions of 560 for four contacts.
 template <int n, bool remembers, bool periodic>
-EPAFI_LANES void total_up(SphereTile<n>& t, SphereTotals<n>& total, bool tells_energy, bool loses) {
+EPAFI_LANES void total_up(SphereTile<n>& t, SphereTotals<n>& total, bool tells_energy, bool damps, bool loses) {
   using V = typename LanesOf<n>::Real;
   using Group = typename SphereTile<n>::Group;
   constexpr std::size_t parts = LaneSum<n>::parts;
@@ -342,6 +345,7 @@ EPAFI_LANES void total_up(SphereTile<n>& t, SphereTotals<n>& total, bool tells_e
     if constexpr (remembers) add(total.twice_stored, &Group::twice_stored);
   }
   add(total.viscous, &Group::viscous);
+  if (damps) add(total.late, &Group::late);
   if constexpr (remembers) add(total.twice_slipped, &Group::twice_slipped);
   if (loses) add(total.lost, &Group::lost);
   if constexpr (periodic) {

@@ -20,7 +20,8 @@ struct PassCall {
 struct NormalCall : PassCall {
   const double* before;  ///< history of the tile's contacts
   double* now;
-  double lag;  ///< from the middle of the step to the detection [s]; 0: no law damps
+  double lag;    ///< from the middle of the step to the detection [s]; 0: no law damps
+  double ratio;  ///< as DamperStep::before
   bool tells_energy;
   bool locates;  ///< start and end of contacts count for the part of the step that they take
 };

@@ -21,7 +21,7 @@ struct NormalPass {
       at.effective_mass = 1.0 / c.inverse_mass;
       at.effective_radius = c.radius;
       at.middle_velocity = c.middle;
-      at.step = {call.dt, call.lag * c.inverse_mass};
+      at.step = {call.dt, call.lag * c.inverse_mass, call.ratio};
       V old{}, now{};
       if constexpr (RemembersNormal<Law>) std::memcpy(&old, call.before + g * n, sizeof old);
       const ResponseOf<V> r = !LaneLaw<Law> || (PowerParts<Law> && call.locates) ? lane_by_lane<n>(p, at, old, now)
@@ -33,10 +33,13 @@ struct NormalPass {
       c.force = r.force;
       c.normal_stiffness = r.stiffness;
       c.grip = at_least<n>(r.force + r.adhesion, 0.0);
-      if (call.lag > 0.0)
-        c.viscous = viscous_loss(at, r, RemembersNormal<Law>);
-      else
+      if (call.lag > 0.0) {
+        const DashpotLoss<V> loss = viscous_loss(at, r, RemembersNormal<Law>);
+        c.viscous = loss.power;
+        c.late = loss.late;
+      } else {
         c.viscous = (r.force - r.elastic_force) * at.approach_velocity;
+      }
       if (call.tells_energy) c.elastic = r.energy;
     });
   }
