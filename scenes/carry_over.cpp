@@ -353,7 +353,7 @@ bool starts_with(const std::string& text, const char* begin) { return text.rfind
 void drop_foreign(const Assembly& from, const Assembly& to, ColumnStore& store, std::vector<std::string>& notes) {
   const ContactSettings &a = from.scene.contact, &b = to.scene.contact;
   const std::size_t springs =
-      std::max(store.rows("smooth/record") + store.rows("spheres/springs"), store.rows("warm_start/impulse"));
+      std::max(store.rows("smooth/contact/a") + store.rows("spheres/springs"), store.rows("warm_start/impulse"));
   const bool to_other_loop = a.method.value == Method::smooth && from.plan.fused_spheres != to.plan.fused_spheres;
   if (!same_laws(a, b) || to_other_loop) {
     store.drop(
@@ -449,7 +449,7 @@ std::vector<std::string> carry_memory(const CarryOver& carry, Assembly& from, As
   drop_foreign(from, to, store, notes);
   if (!carry.keeps_memory) {
     const std::size_t contacts =
-        std::max(store.rows("smooth/record") + store.rows("spheres/springs"), store.rows("warm_start/impulse"));
+        std::max(store.rows("smooth/contact/a") + store.rows("spheres/springs"), store.rows("warm_start/impulse"));
     store.drop([](const std::string&) { return true; });
     if (contacts > 0)
       notes.push_back(fmt::format("memory of {} contacts: it does not belong to these places", contacts));

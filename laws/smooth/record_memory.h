@@ -9,10 +9,15 @@
 
 namespace epafi {
 
+/// Numbers of a record by part, in this order.
+struct RecordParts {
+  std::size_t normal = 0, friction = 0, rolling = 0;
+};
+
 class RecordMemory {
  public:
-  /// size: numbers of a record, at least 1.
-  explicit RecordMemory(std::size_t size) : size_(size), fresh_(size) {}
+  explicit RecordMemory(RecordParts parts)
+      : parts_(parts), size_(parts.normal + parts.friction + parts.rolling), fresh_(std::max<std::size_t>(1, size_)) {}
 
   /// exchange(record): of a contact whose bodies A and B have changed places.
   template <class Exchange>
@@ -42,15 +47,29 @@ class RecordMemory {
     for (std::size_t k = 0; k < order.size(); ++k) std::copy_n(row(now_, order[k]), size_, row(sorted, k));
     now_.swap(sorted);
   }
+  /// By part, so that a law that remembers more or less than the one before goes on with what both do.
   void visit(StateVisitor& visitor) {
     keys_.visit(visitor, "smooth/contact");
-    visitor.records(RowsOf::contacts, "smooth/record", size_, now_);
+    now_.resize(size_ * keys_.size());
+    visit_part(visitor, "smooth/normal", 0, parts_.normal);
+    visit_part(visitor, "smooth/friction", parts_.normal, parts_.friction);
+    visit_part(visitor, "smooth/rolling", parts_.normal + parts_.friction, parts_.rolling);
   }
 
  private:
+  void visit_part(StateVisitor& visitor, const char* name, std::size_t from, std::size_t numbers) {
+    if (numbers == 0) return;
+    std::vector<double> part;
+    for (std::size_t k = 0; k < keys_.size(); ++k)
+      part.insert(part.end(), row(now_, k) + from, row(now_, k) + from + numbers);
+    visitor.records(RowsOf::contacts, name, numbers, part);
+    for (std::size_t k = 0; k < keys_.size(); ++k)
+      std::copy_n(row(part, 0) + numbers * k, numbers, row(now_, k) + from);
+  }
   static bool is_zero(double x) { return x == 0.0 && !std::signbit(x); }
   double* row(std::vector<double>& records, std::size_t k) const { return records.data() + size_ * k; }
 
+  RecordParts parts_;
   std::size_t size_;
   ContactMemory keys_;
   std::vector<std::uint32_t> previous_, turned_;

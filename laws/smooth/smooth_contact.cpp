@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::size_t numbers_of_spring = sizeof(Spring) / sizeof(double);
 
-std::size_t numbers_of_record(const SmoothLaw& law) {
-  return law.state + law.friction.memory + (law.rolls ? numbers_of_spring : 0);
+RecordParts parts_of(const SmoothLaw& law) {
+  return {law.state, law.friction.memory, law.rolls ? numbers_of_spring : 0};
 }
 
 /// 1/m + r^2/I of a body pushed sideways at its contact point, I the harmonic mean of its moments; 0 when not free.
@@ -82,7 +82,7 @@ SmoothContact::SmoothContact(SmoothLaw law)
     : law_(std::move(law)),
       normal_(law_.normal()),
       rolling_at_(law_.state + law_.friction.memory),
-      memory_(std::max<std::size_t>(1, numbers_of_record(law_))) {}
+      memory_(parts_of(law_)) {}
 
 void SmoothContact::act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) {
   contacts.force.resize(contacts.size());
@@ -100,7 +100,8 @@ void SmoothContact::act(World& world, ContactSet& contacts, const StepClock& clo
       if (law_.rolls) exchange(*reinterpret_cast<Spring*>(record + rolling_at_));
     });
   EPAFI_REQUIRE(world.rotates() || !law_.needs.friction, "friction and rolling need a world with rotation");
-  const SmoothSums sums = run({world, contacts, clock.dt, lag, world.rotates(), ratio_.next(clock.dt)});
+  const SmoothSums sums =
+      run({world, contacts, clock.dt, lag, world.rotates(), lag > 0.0 ? ratio_.next(clock.dt) : 1.0});
   if (law_.remembers() && clock.dt == 0.0) memory_.keep();
   if (clock.touched)
     gather_forces(contacts, touched_, world, *clock.touched);

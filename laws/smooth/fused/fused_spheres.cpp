@@ -268,8 +268,14 @@ class FusedModel final : public FusedSpheres, public SharedModel {
 
   /// What every block reads and writes; its own sums and moments come on top.
   SphereArrays arrays_of(const World& world, const StepClock& clock, bool tells_energy) {
-    SphereArrays arrays{blocks_.planes().data(), all_states(world), 0,           clock.dt, lag(clock),
-                        ratio_.next(clock.dt),   law_.damped,       tells_energy};
+    SphereArrays arrays{blocks_.planes().data(),
+                        all_states(world),
+                        0,
+                        clock.dt,
+                        lag(clock),
+                        lag(clock) > 0.0 ? ratio_.next(clock.dt) : 1.0,
+                        law_.damped,
+                        tells_energy};
     if (!world.owner.empty()) blocks_.balls().by_place(world.owner, owner_);
     arrays.owner = world.owner.empty() ? nullptr : owner_.data();
     arrays.passes = &passes_;

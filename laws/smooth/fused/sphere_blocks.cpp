@@ -478,7 +478,10 @@ void SphereBlocks::visit(StateVisitor& visitor) {
   number();
   kept_.each_more(needs_, [&](auto& column, const char* name) {
     visitor.rows(RowsOf::contacts, name, column);
+    const std::size_t known = column.size();  // fewer where the law did not remember this before
     column.resize(kept_.springs.size());
+    if (known < column.size())
+      std::fill(column.begin() + known, column.end(), typename std::decay_t<decltype(column)>::value_type{});
   });
 }
 

@@ -327,12 +327,12 @@ struct SphereSweep {
     const Passes& passes = *with.passes;
     SphereSprings& springs = block.springs;
     if constexpr (!remembers) {
-      passes.normal({call, nullptr, nullptr, with.lag, with.ratio, with.tells_energy, passes.locates});
+      passes.normal({call, nullptr, nullptr, with.lag, with.tells_energy, passes.locates, with.ratio});
     } else {
       alignas(64) double before[most], now[most];
       double* const column = springs.normal();
       if (passes.needs.normal) t.gather_apart(column, row, before);
-      passes.normal({call, before, now, with.lag, with.ratio, with.tells_energy, passes.locates});
+      passes.normal({call, before, now, with.lag, with.tells_energy, passes.locates, with.ratio});
       if (passes.needs.normal) remember(t, before, now, with.dt > 0.0 ? column + at.write : nullptr);
       SphereSpring gathered[most];
       if (passes.tangential == nullptr) {

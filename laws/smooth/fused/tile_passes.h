@@ -20,10 +20,10 @@ struct PassCall {
 struct NormalCall : PassCall {
   const double* before;  ///< history of the tile's contacts
   double* now;
-  double lag;    ///< from the middle of the step to the detection [s]; 0: no law damps
-  double ratio;  ///< as DamperStep::before
+  double lag;  ///< from the middle of the step to the detection [s]; 0: no law damps
   bool tells_energy;
-  bool locates;  ///< start and end of contacts count for the part of the step that they take
+  bool locates;        ///< start and end of contacts count for the part of the step that they take
+  double ratio = 1.0;  ///< as DamperStep::before
 };
 struct TangentialCall : PassCall {
   const SphereSpring* before;
