@@ -39,7 +39,7 @@ double load_part(double s, int i, double w) {
 double energy_of(const Bristles& b) {
   double energy = 0.0;
   for (int i = 0; b.width > 0.0 && i < Bristles::count && b.share > i; ++i)
-    energy += Spring{b.load[static_cast<std::size_t>(i)], b.width * covered(b.share, i)}.energy();
+    energy += energy_of(Spring{b.load[static_cast<std::size_t>(i)], b.width * covered(b.share, i)});
   return energy;
 }
 
@@ -75,7 +75,7 @@ FrictionResponse pull_bristles(const SlipStep& step, double stiffness, double li
         extend({load, now.width * was}, load, now.width * is, step.displacement, limit * load_part(share, i, is));
     load = spring.load;
     out.load += load;
-    out.energy += spring.energy();
+    out.energy += energy_of(spring);
   }
   now.share = share;
   out.work = 0.5 * (load_before + out.load).dot(step.displacement);

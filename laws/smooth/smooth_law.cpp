@@ -1,16 +1,17 @@
 #include "laws/smooth/smooth_law.h"
 
-#include "laws/smooth/fused/tile_passes.h"
+#include "laws/smooth/passes/tile_passes.h"
 
 namespace epafi {
 
 Passes SmoothLaw::passes() const {
+  const NormalEvaluation evaluation = normal();
   Passes out;
-  out.normal = normal().tile;
-  out.type = rolling;
+  out.law = this;
+  out.one = evaluation.one;
+  out.normal = evaluation.tile != nullptr && !locates ? evaluation.tile : pointwise_normal();
   out.needs = needs;
-  out.locates = locates;
-  if (needs.friction) out.tangential = needs.bristles ? bristle_pass() : coulomb_pass();
+  if (needs.friction) out.tangential = friction.is_spring ? coulomb_pass() : pointwise_friction();
   if (needs.damps_slip()) out.rolling = rolling_pass();
   return out;
 }
@@ -18,7 +19,7 @@ Passes SmoothLaw::passes() const {
 std::string without_tiles(const SmoothSetup& setup) {
   const SmoothParts parts = smooth_parts(setup);
   const auto left_out = [](const std::string& law) { return "no tiles of law '" + law + "'"; };
-  if (!with_law(NormalLaws{}, parts.normal, [](auto n) { return fits_tiles<typename decltype(n)::type>; }))
+  if (!with_law(NormalLaws{}, parts.normal, [](auto n) { return fits_spheres<typename decltype(n)::type>; }))
     return left_out(parts.normal);
   const bool has_pass = with_law(TangentialLaws{}, parts.tangential, [](auto t) {
     using Law = typename decltype(t)::type;

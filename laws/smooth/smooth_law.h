@@ -1,7 +1,7 @@
 /// @file smooth_law.h  The law of a scene as the loops over contacts use it: parameters by pair of materials, and a
-/// function for each part, resolved once from names or types. The loop over spheres calls a part once per tile of
-/// contacts, the loop over all others (laws/smooth/smooth_contact.h) once per contact, so code size is the sum of the
-/// parts, not the product.
+/// function for each part, resolved once from names or types. The loops over spheres and over all other contacts
+/// (laws/smooth/smooth_contact.h) call a part once per tile of contacts, so code size is the sum of the parts, not the
+/// product.
 #pragma once
 #include <vector>
 
@@ -25,7 +25,7 @@ struct alignas(32) PairRow {  // an aligned load of a part; GCC takes 16 for a v
 
 /// Functions of a normal law: for the contacts of a tile, and for one contact.
 struct NormalEvaluation {
-  void (*tile)(const NormalCall&) = nullptr;  ///< null: there are no tiles of this law
+  void (*tile)(const NormalCall&) = nullptr;  ///< null: the law has no lanes
   /// numbers: of the pair; before, now: what the law remembers; dt: where start and end of contacts are located.
   NormalResponse (*one)(const double* numbers, const ContactKinematics&, const double* before, double* now,
                         const double* dt_if_located) = nullptr;
@@ -37,14 +37,16 @@ NormalEvaluation normal_evaluation();
 /// Functions of a friction law for one contact; numbers: PairRow::tangential.
 struct FrictionEvaluation {
   FrictionResponse (*pull)(const Lanes& numbers, const SlipStep&, const double* before, double* now) = nullptr;
+  double (*energy)(const double* memory) = nullptr;
   void (*exchange)(double* memory) = nullptr;  ///< bodies A and B
   std::size_t memory = 0;                      ///< numbers that it remembers of a contact
-  bool is_spring = false;                      ///< CoulombSpring with its parameters, evaluated in place
+  bool is_spring = false;                      ///< CoulombSpring with its parameters, which has lanes: TileSpring
 };
 
 void (*coulomb_pass())(const TangentialCall&);
-void (*bristle_pass())(const TangentialCall&);
 void (*rolling_pass())(const RollingCall&);
+void (*pointwise_normal())(const NormalCall&);
+void (*pointwise_friction())(const TangentialCall&);
 
 struct SmoothLaw {
   NormalEvaluation (*normal)() = nullptr;
@@ -62,7 +64,6 @@ struct SmoothLaw {
   bool locates = false;
 
   bool remembers() const { return needs.friction || state > 0; }
-  /// Loops for the widest lanes of now.
   Passes passes() const;
 };
 
@@ -70,9 +71,10 @@ struct SmoothLaw {
 std::string without_tiles(const SmoothSetup& setup);
 SmoothLaw smooth_law(const SmoothSetup& setup);
 
+/// Contacts of spheres have no area and remember one number.
 template <class Law>
-inline constexpr bool fits_tiles = sizeof(typename Law::Parameters) <= sizeof(Lanes) && !Law::needs.area &&
-                                   (!RemembersNormal<Law> || sizeof(NormalState<Law>) == sizeof(double));
+inline constexpr bool fits_spheres =
+    !Law::needs.area && (!RemembersNormal<Law> || sizeof(NormalState<Law>) == sizeof(double));
 
 /// Response of one contact.
 template <class Law>
@@ -106,7 +108,10 @@ void take_normal(const MaterialTable& table, SmoothLaw& law) {
   each_pair(table, [&](std::size_t i, const MaterialPair& pair) {
     const Parameters p = Law::parameters(pair);
     std::memcpy(law.numbers.data() + i * law.per_pair, &p, sizeof p);
-    if constexpr (fits_tiles<Law>) std::memcpy(&law.rows[i].normal, &p, sizeof p);
+    if constexpr (LaneLaw<Law>) {
+      static_assert(sizeof p <= sizeof(Lanes), "a law with lanes has at most four numbers");
+      std::memcpy(&law.rows[i].normal, &p, sizeof p);
+    }
     law.damped = law.damped || Law::is_damped(p);
   });
   if constexpr (RemembersNormal<Law>) {
@@ -143,6 +148,7 @@ FrictionEvaluation friction_evaluation() {
     return Law::pull(read_row<Parameters>(numbers), step, *reinterpret_cast<const Memory*>(before),
                      *reinterpret_cast<Memory*>(now));
   };
+  out.energy = [](const double* memory) { return energy_of(*reinterpret_cast<const Memory*>(memory)); };
   out.exchange = [](double* memory) { exchange(*reinterpret_cast<Memory*>(memory)); };
   return out;
 }
@@ -178,7 +184,7 @@ void take_rolling(const MaterialTable& table, SmoothLaw& law) {
   }
 }
 
-/// From types: laws of outside, without tiles.
+/// From types: laws of outside, without lanes.
 template <NormalLaw Normal, TangentialLaw Tangential, RollingLaw Rolling>
 SmoothLaw smooth_law(const MaterialTable& table) {
   SmoothLaw law;

@@ -13,15 +13,20 @@ namespace epafi {
 struct Spring {
   Vec3 load = Vec3::Zero();  ///< on A: T [N] or M [N m], in the contact plane
   double stiffness = 0.0;    ///< [N/m] or [N m/rad]
-
-  double energy() const { return stiffness > 0.0 ? 0.5 * load.squaredNorm() / stiffness : 0.0; }
 };
 
+/// [J]
+inline double energy_of(const Spring& s) { return s.stiffness > 0.0 ? 0.5 * s.load.squaredNorm() / s.stiffness : 0.0; }
 /// The same with bodies A and B exchanged.
 inline void exchange(Spring& spring) { spring.load = -spring.load; }
 
 template <>
 inline constexpr bool is_plain<Spring> = true;  // four doubles; Eigen's copy is not trivial by name only
+
+/// A spring as passes over tiles of contacts remember it: 32 bytes.
+struct alignas(32) TileSpring {
+  Lanes load;  ///< x y z on A [N] or [N m], 1/stiffness [m/N] or [rad/(N m)]; 0: not loaded
+};
 
 /// The load after the contact plane has turned to normal n and the pair has spun by `twist` [rad] about it.
 /// Its length is kept: projection alone would let it fade by half the square of the angle every step.
@@ -53,7 +58,7 @@ inline FrictionResponse pull_spring(const SlipStep& step, double stiffness, doub
                                     Spring& now) {
   const Vec3 load = turn_load(before.load, step.normal, step.twist);
   now = extend(before, load, stiffness, step.displacement, limit);
-  return {now.load, now.energy(), 0.5 * (load + now.load).dot(step.displacement)};
+  return {now.load, energy_of(now), 0.5 * (load + now.load).dot(step.displacement)};
 }
 
 }  // namespace epafi

@@ -246,7 +246,7 @@ struct DrivenContact {
       const Vec3 step = slide / steps, before = spring.load;
       spring = extend(spring, before, Mindlin::stiffness(tangential, r.stiffness), step, tangential.friction * r.force);
       work += 0.5 * (before + spring.load).dot(step);
-      largest_energy = std::max(largest_energy, spring.energy());
+      largest_energy = std::max(largest_energy, energy_of(spring));
     }
     work += normal_energy() - elastic;  // the normal law is conservative: its integral is exact
   }
@@ -263,7 +263,7 @@ TEST_CASE("shear, unload, shear back, reload costs half the shear energy and nev
   const double shear = 0.1 * 0.3 * contact.normal_force() / kt;
   contact.work = 0.0;
   contact.move(d1, {shear, 0, 0}, 100);
-  const double stored = contact.spring.energy();
+  const double stored = energy_of(contact.spring);
   contact.move(d1 / 4, {0, 0, 0}, 1000);
   contact.move(d1 / 4, {-shear, 0, 0}, 100);
   contact.move(d1, {0, 0, 0}, 1000);

@@ -4,7 +4,7 @@
 
 #include "engine/lanes/targets.h"
 #include "laws/lane_choice.h"
-#include "laws/smooth/fused/tile_passes.h"
+#include "laws/smooth/passes/tile_passes.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;
@@ -37,8 +37,8 @@ SmoothLaw law_with(const std::string& law, bool locate) {
 /// A full tile of random contacts, of which some are held beyond touch, against one at a time.
 template <int n>
 void check_tile(const SmoothLaw& law, bool one_row) {
-  auto tile = std::make_unique<SphereTile<n>>();
-  SphereTile<n>& t = *tile;
+  auto tile = std::make_unique<ContactTile<n>>();
+  ContactTile<n>& t = *tile;
   t.count = t.most;
   t.groups = t.size;
   std::mt19937_64 random(n);
@@ -46,7 +46,7 @@ void check_tile(const SmoothLaw& law, bool one_row) {
     return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
   };
   constexpr double dt = 1e-5, lag = 0.5 * dt;
-  alignas(64) double before[SphereTile<n>::most], now[SphereTile<n>::most] = {};
+  alignas(64) double before[ContactTile<n>::most], now[ContactTile<n>::most] = {};
   std::vector<ContactKinematics> contacts(t.most);
   for (std::size_t k = 0; k < t.most; ++k) {
     auto& c = t.group[k / n];
@@ -63,7 +63,8 @@ void check_tile(const SmoothLaw& law, bool one_row) {
     contacts[k].step = {dt, lag * c.inverse_mass[k % n]};
   }
   const PairRow* rows = law.rows.data();
-  law.normal().tile({{tile.get(), rows, one_row, dt}, before, now, lag, true, law.locates});
+  const Passes passes = law.passes();
+  passes.normal({{tile.get(), &passes, rows, one_row, dt}, before, now, lag, true});
   for (std::size_t k = 0; k < t.most; ++k) {
     const auto& c = t.group[k / n];
     const double* numbers = law.numbers.data() + (one_row ? 0 : t.row[k]) * law.per_pair;

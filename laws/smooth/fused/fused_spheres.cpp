@@ -279,6 +279,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     if (!world.owner.empty()) blocks_.balls().by_place(world.owner, owner_);
     arrays.owner = world.owner.empty() ? nullptr : owner_.data();
     arrays.passes = &passes_;
+    if (law_.needs.damps_slip()) arrays.rolling = sphere_rolling();
     arrays.rows = law_.rows.data();
     arrays.reach = reach_;
     arrays.material = own_ < law_.materials ? nullptr : material_.empty() ? world.material.data() : material_.data();

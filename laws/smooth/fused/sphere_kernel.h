@@ -4,7 +4,7 @@
 /// (tests/physics/test_fused_spheres.cpp), with the same bits for every n.
 #pragma once
 #include "laws/smooth/fused/sphere_look.h"
-#include "laws/smooth/fused/tile_passes.h"
+#include "laws/smooth/fused/sphere_rolling.h"
 
 namespace epafi {
 
@@ -221,7 +221,7 @@ struct SphereSweep {
     std::uint8_t* const touched = block.touched.data();
     const bool across = !wall && range.across;
     Places at = places;
-    [[maybe_unused]] const SphereSpring* springs = block.springs.friction();  // to ask for them: they may move
+    [[maybe_unused]] const TileSpring* springs = block.springs.friction();  // to ask for them: they may move
     [[maybe_unused]] SphereBlocks::Target* target = block.targets.data();
     constexpr std::size_t full = SphereTile<n>::most;
     SphereTile<n> t;
@@ -266,7 +266,7 @@ struct SphereSweep {
 
  private:
   /// Prefetches springs some tiles ahead, since hardware prefetchers stop at page boundaries.
-  EPAFI_LANES static void ask_for(const SphereSpring* springs) {
+  EPAFI_LANES static void ask_for(const TileSpring* springs) {
     for (std::uint32_t l = 0; l < eight; l += 2) __builtin_prefetch(springs + springs_ahead + l, 1);
   }
   /// Springs overwrite those of earlier contacts. If too many contacts begin, unread springs move up: those of contacts
@@ -305,7 +305,8 @@ struct SphereSweep {
     if constexpr (periodic && !wall)
       if (with.owner != nullptr) [[unlikely]]
         leave_out_virials<n>(t, with);
-    total_up<n, remembers, periodic && !wall>(t, total, with.tells_energy, with.lag > 0.0, passes.needs.normal);
+    total_up<n, remembers>(t, total, with.tells_energy, with.lag > 0.0, passes.needs.normal);
+    if constexpr (periodic && !wall) add_virials<n>(t, total);
     at.write += static_cast<std::uint32_t>(t.count);
     if (across) at.record += static_cast<std::uint32_t>(t.count);
   }
@@ -313,11 +314,13 @@ struct SphereSweep {
   /// The pairs of materials of the contacts of a tile.
   EPAFI_LANES PassCall choose_rows(SphereTile<n>& t, const SphereArrays& with) const {
     const std::uint32_t other = wall ? with.planes[range.plane].material : with.own;
-    if (with.material == nullptr) return {&t, with.rows + with.materials * with.own + other, true, with.dt};
+    ContactTile<n>* const tile = &t;
+    if (with.material == nullptr)
+      return {tile, with.passes, with.rows + with.materials * with.own + other, true, with.dt};
     for (std::size_t k = 0; k < t.groups * n; ++k)
       t.row[k] = with.materials * with.material[t.bodies[k].a.slot()] +
                  (wall ? other : std::uint32_t{with.material[t.bodies[k].b.slot()]});
-    return {&t, with.rows, false, with.dt};
+    return {tile, with.passes, with.rows, false, with.dt};
   }
 
   /// The passes of the laws.
@@ -327,29 +330,48 @@ struct SphereSweep {
     const Passes& passes = *with.passes;
     SphereSprings& springs = block.springs;
     if constexpr (!remembers) {
-      passes.normal({call, nullptr, nullptr, with.lag, with.tells_energy, passes.locates, with.ratio});
+      passes.normal({call, nullptr, nullptr, with.lag, with.tells_energy, with.ratio});
     } else {
       alignas(64) double before[most], now[most];
       double* const column = springs.normal();
       if (passes.needs.normal) t.gather_apart(column, row, before);
-      passes.normal({call, before, now, with.lag, with.tells_energy, passes.locates, with.ratio});
+      passes.normal({call, before, now, with.lag, with.tells_energy, with.ratio});
       if (passes.needs.normal) remember(t, before, now, with.dt > 0.0 ? column + at.write : nullptr);
-      SphereSpring gathered[most];
+      TileSpring gathered[most];
       if (passes.tangential == nullptr) {
         t.rest_springs();
-        if (with.dt > 0.0) std::fill_n(springs.friction() + at.write, t.count, SphereSpring{});
+        if (with.dt > 0.0) std::fill_n(springs.friction() + at.write, t.count, TileSpring{});
       } else if (!passes.needs.bristles) {
-        passes.tangential(
-            {call, t.gather(springs.friction(), row, gathered), springs.friction() + at.write, nullptr, nullptr});
+        passes.tangential({call, t.gather(springs.friction(), row, gathered), springs.friction() + at.write});
       } else {
-        thread_local std::vector<PackedBristles> kept(most);
-        passes.tangential({call, nullptr, springs.friction() + at.write, t.gather(springs.bristles(), row, kept.data()),
-                           springs.bristles() + (with.dt > 0.0 ? at.write : 0)});
+        pull_rows(t, call, at, row);
       }
-      if (passes.rolling != nullptr)
-        passes.rolling({call, passes.needs.rolling ? t.gather(springs.rolling(), row, gathered) : nullptr,
-                        springs.rolling() + (passes.needs.rolling ? at.write : 0), passes.type, &block, &with, at, wall,
-                        !wall && range.across, periodic});
+      if (with.rolling != nullptr)
+        with.rolling({{call, passes.needs.rolling ? t.gather(springs.rolling(), row, gathered) : nullptr,
+                       springs.rolling() + (passes.needs.rolling ? at.write : 0), with.lag, nullptr},
+                      block,
+                      with,
+                      at,
+                      wall,
+                      !wall && range.across,
+                      periodic});
+    }
+  }
+
+  /// Friction by rows of bristles. No time passes: a contact that begins remembers how many it has.
+  [[gnu::noinline]] void pull_rows(SphereTile<n>& t, const PassCall& call, const Places& at, std::uint32_t row) const {
+    thread_local std::vector<PackedBristles> kept(t.most), fresh(t.most);
+    SphereSprings& springs = block.springs;
+    const bool moves = call.dt > 0.0;
+    const PackedBristles* const before = t.gather(springs.bristles(), row, kept.data());
+    PackedBristles* const now = moves ? springs.bristles() + at.write : fresh.data();
+    call.passes->tangential({call, before, now});
+    for (std::size_t k = 0; k < t.count; ++k) {
+      const auto& load = t.group[k / n].load;
+      if (moves)
+        springs.friction()[at.write + k].load = Lanes{load.x[k % n], load.y[k % n], load.z[k % n], 0.0};
+      else if (!(before[k].get().width > 0.0) && t.spring[k] != SphereSprings::unloaded)
+        springs.bristles()[t.spring[k]] = now[k];
     }
   }
 

@@ -16,11 +16,12 @@ EPAFI_LANES void fetch_ahead(const SpherePlaces* pair, const SphereArrays& with)
 
 /// Bodies of the chosen pairs into the rows from `to` on.
 template <int n>
-EPAFI_LANES void write_bodies(const SpherePlaces* pair, const ChosenLanes<n>& chosen, char* to) {
+EPAFI_LANES void write_bodies(const SphereTile<n>& t, const SpherePlaces* pair, const ChosenLanes<n>& chosen,
+                              char* to) {
   static_assert(sizeof(SpherePlaces) == sizeof(double));
   typename LanesOf<n>::Real places;
   std::memcpy(&places, pair, sizeof places);
-  compress<n>(places, chosen, to + offsetof(SphereTile<n>, bodies));
+  compress<n>(places, chosen, to + t.offset_of(t.bodies));
 }
 
 /// Adds those of the n pairs from `k` on that touch, or are `held` (a bit each) within the reach, as contacts from
@@ -64,17 +65,16 @@ EPAFI_LANES std::size_t look(SphereTile<n>& t, std::size_t at, const SpherePlace
   }
   fetch_ahead<n>(pair, with);
   const ChosenLanes<n> chosen(bits);
-  using Tile = SphereTile<n>;
   char* const to = t.row_from(at);
-  compress<n>(overlap, chosen, to + offsetof(Tile, overlap));
+  compress<n>(overlap, chosen, to + t.offset_of(t.overlap));
   if constexpr (!wall) {  // the normal of a wall stands there already
-    compress<n>(d.x, chosen, to + offsetof(Tile, x));
-    compress<n>(d.y, chosen, to + offsetof(Tile, y));
-    compress<n>(d.z, chosen, to + offsetof(Tile, z));
-    compress<n>(curvature, chosen, to + offsetof(Tile, curvature));
+    compress<n>(d.x, chosen, to + t.offset_of(t.x));
+    compress<n>(d.y, chosen, to + t.offset_of(t.y));
+    compress<n>(d.z, chosen, to + t.offset_of(t.z));
+    compress<n>(curvature, chosen, to + t.offset_of(t.curvature));
   }
-  if constexpr (periodic && !wall) compress<n>(distance, chosen, to + offsetof(Tile, distance));
-  write_bodies<n>(pair, chosen, to);
+  if constexpr (periodic && !wall) compress<n>(distance, chosen, to + t.offset_of(t.distance));
+  write_bodies<n>(t, pair, chosen, to);
   if constexpr (periodic) write_places<n>(static_cast<unsigned>(bits), static_cast<std::uint32_t>(k), t.pair + at);
   return bits;
 }

@@ -5,16 +5,10 @@
 #include <cstdint>
 #include <span>
 
-#include "engine/lanes/lanes.h"
 #include "engine/state/large_column.h"
 #include "laws/smooth/bristles.h"
 
 namespace epafi {
-
-/// The friction or rolling spring of a contact: 32 bytes.
-struct alignas(32) SphereSpring {
-  Lanes load;  ///< x y z on A [N] or [N m], 1/stiffness [m/N] or [rad/(N m)]; 0: not loaded
-};
 
 /// Load of a contact, which differs from its memory if there are dashpots. Written only if an observer may read it.
 struct alignas(32) SphereLoads {
@@ -47,10 +41,10 @@ class SphereSprings {
   explicit SphereSprings(const SphereNeeds& needs) : needs_(needs) {}
   std::uint32_t count() const { return last_ - first_; }
   /// Memory of the touching contact number `rank`.
-  SphereSpring& friction(std::uint32_t rank) { return friction_[first_ + rank]; }
-  const SphereSpring& friction(std::uint32_t rank) const { return friction_[first_ + rank]; }
-  SphereSpring& rolling(std::uint32_t rank) { return rolling_[first_ + rank]; }
-  const SphereSpring& rolling(std::uint32_t rank) const { return rolling_[first_ + rank]; }
+  TileSpring& friction(std::uint32_t rank) { return friction_[first_ + rank]; }
+  const TileSpring& friction(std::uint32_t rank) const { return friction_[first_ + rank]; }
+  TileSpring& rolling(std::uint32_t rank) { return rolling_[first_ + rank]; }
+  const TileSpring& rolling(std::uint32_t rank) const { return rolling_[first_ + rank]; }
   const SphereLoads& loads(std::uint32_t rank) const { return loads_[first_ + rank]; }
   double& normal(std::uint32_t rank) { return normal_[first_ + rank]; }
   double normal(std::uint32_t rank) const { return normal_[first_ + rank]; }
@@ -68,8 +62,8 @@ class SphereSprings {
     last_ = now.write;
   }
   /// By place.
-  SphereSpring* friction() { return friction_.data(); }
-  SphereSpring* rolling() { return rolling_.data(); }
+  TileSpring* friction() { return friction_.data(); }
+  TileSpring* rolling() { return rolling_.data(); }
   SphereLoads* loads() { return loads_.data(); }
   double* normal() { return normal_.data(); }
   PackedBristles* bristles() { return bristles_.data(); }
@@ -88,7 +82,7 @@ class SphereSprings {
   void move_to_end();
 
   SphereNeeds needs_;
-  UnwrittenColumn<SphereSpring> friction_, rolling_;
+  UnwrittenColumn<TileSpring> friction_, rolling_;
   UnwrittenColumn<SphereLoads> loads_;
   UnwrittenColumn<double> normal_;  ///< largest overlap, root of the contact radius ...
   UnwrittenColumn<PackedBristles> bristles_;
