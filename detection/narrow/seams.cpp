@@ -400,11 +400,12 @@ bool Seams::holds_instead(const World& world, const ContactSet& contacts, const 
 
 /// Points of one normal are kept or dropped together. They are kept if a visible one has a normal of its wall: a box
 /// that slides over a seam keeps its corners there, with the wall's normal in place of its own face's. Otherwise they
-/// are points of an edge, which the neighbour replaces.
+/// are points of an edge, which the neighbour replaces. Beside no neighbour the parts of a solid change no normal.
 void Seams::decide_faces(const World& world, ContactSet& contacts) {
   for (const Candidate& c : candidates_) {
     const Vec3 given = c.wall_is_b ? Vec3(-contacts.normal[c.contact]) : contacts.normal[c.contact];
-    if (hidden_[c.contact] == 2 || (hidden_[c.contact] == 0 && same_direction(c.normal, given))) continue;
+    if (hidden_[c.contact] == 2) continue;
+    if (hidden_[c.contact] == 0 && (others_of(c).empty() || same_direction(c.normal, given))) continue;
     std::size_t begin = c.contact, end = c.contact;
     while (begin > 0 && same_pair(contacts, begin - 1, c.contact)) --begin;
     while (end < contacts.size() && same_pair(contacts, end, c.contact)) ++end;

@@ -11,6 +11,10 @@ namespace {
 constexpr std::uint32_t mesh_leaf = 4;
 constexpr double flat_angle = 1e-9;  // [rad] far above rounding
 constexpr double half_turn = 3.14159265358979323846;
+/// Cosine of the bend of a smooth edge, 18 degrees. Beyond a sharper concave edge a ball that overlaps by less than a
+/// twentieth of its radius meets the next face in its inside, where a contact of its own begins without overlap.
+constexpr double cosine_of_smooth = 0.95;
+constexpr double cosine_of_a_degree = 0.99984769515639123916;
 constexpr double straight = 1e-6;  // [rad] of an outline
 
 Aabb turned_box(const Aabb& box, const Mat3& turn, const Vec3& shift) {
@@ -49,9 +53,9 @@ TriangleMesh TriangleMesh::from_surface(TriangleSurface surface, double precisio
     mesh.boxes_.push_back(box);
   }
   mesh.find_neighbours();
-  mesh.around.assign(n, {none, 0});
+  mesh.around.assign(n, {none, 0, 0, 0});
   mesh.find_notches();
-  mesh.find_closed();
+  mesh.find_connected();
   std::vector<std::uint32_t> order(n);
   std::iota(order.begin(), order.end(), 0u);
   if (n > 0) mesh.build(order, 0, n);
@@ -69,9 +73,7 @@ void TriangleMesh::find_neighbours() {
     const EdgeUse &p = uses[begin], &q = uses[begin + 1];
     neighbours[p.triangle][p.side] = q.triangle;
     neighbours[q.triangle][q.side] = p.triangle;
-    const EdgeKind kind = kind_of(p, q);
-    edge_kinds[p.triangle][p.side] = edge_kinds[q.triangle][q.side] = kind;
-    bends_gently = bends_gently || (kind != EdgeKind::flat && is_smooth(p.triangle, p.side));
+    edge_kinds[p.triangle][p.side] = edge_kinds[q.triangle][q.side] = kind_of(p, q);
   }
 }
 
@@ -107,23 +109,41 @@ void TriangleMesh::find_notches() {
   }
 }
 
-void TriangleMesh::find_closed() {
+template <class Joins, class F>
+void TriangleMesh::each_connected(const Joins& joins, const F& f) const {
   std::vector<std::uint32_t> part;
   std::vector<bool> seen(triangles.size());
   for (std::uint32_t first = 0; first < triangles.size(); ++first) {
     if (seen[first]) continue;
     part.assign(1, first);
     seen[first] = true;
-    bool is_open = false;
     for (std::size_t i = 0; i < part.size(); ++i)
       for (const std::uint32_t next : neighbours[part[i]]) {
-        is_open = is_open || next == none;
-        if (next == none || seen[next]) continue;
+        if (next == none || seen[next] || !joins(part[i], next)) continue;
         seen[next] = true;
         part.push_back(next);
       }
-    for (const std::uint32_t t : part) around[t].closed = is_open ? none : first;
+    f(std::as_const(part));
   }
+}
+
+void TriangleMesh::find_connected() {
+  const auto has_rim = [this](std::uint32_t t) { return std::ranges::count(neighbours[t], none) > 0; };
+  const auto mark_closed = [&](const std::vector<std::uint32_t>& part) {
+    const std::uint32_t closed = std::ranges::any_of(part, has_rim) ? none : part.front();
+    for (const std::uint32_t t : part) around[t].closed = closed;
+  };
+  each_connected([](std::uint32_t, std::uint32_t) { return true; }, mark_closed);
+  const auto mark = [&](std::uint32_t Around::*mark_of, double least_cosine) {
+    const auto joins = [&](std::uint32_t t, std::uint32_t next) {
+      return face[t] == face[next] || normals[t].dot(normals[next]) > least_cosine;
+    };
+    each_connected(joins, [&](const std::vector<std::uint32_t>& part) {
+      for (const std::uint32_t t : part) around[t].*mark_of = part.front();
+    });
+  };
+  mark(&Around::smooth, cosine_of_smooth);
+  mark(&Around::gentle, cosine_of_a_degree);
 }
 
 EdgeKind TriangleMesh::kind_of(const EdgeUse& p, const EdgeUse& q) const {

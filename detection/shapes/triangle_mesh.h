@@ -36,21 +36,15 @@ struct TriangleMesh {
   std::vector<std::uint32_t> face;  ///< lowest triangle of the plane face a triangle is in
   struct Around {
     std::uint32_t closed;  ///< lowest triangle of the connected surface it is in; none: that has a rim
+    std::uint32_t smooth;  ///< lowest triangle of the surface around it whose edges bend by less than acos(0.95)
+    std::uint32_t gentle;  ///< the same for less than a degree
     std::uint8_t notches;  ///< bit k: at corner k the outline of the face turns inwards
   };
   std::vector<Around> around;  ///< of each triangle
-  bool bends_gently = false;   ///< some edge between two faces bends by less than a degree
   JoinReport joined;
 
   /// The surface need not be closed. precision: of its coordinates (surface_join.h) [m].
   static TriangleMesh from_surface(TriangleSurface surface, double precision = 0.0);
-  /// True if the surface continues smoothly beyond side k: on the same face, or on one inclined by less than a degree.
-  bool is_smooth(std::uint32_t t, std::size_t k) const {
-    constexpr double cosine_of_a_degree = 0.99984769515639123916;
-    const EdgeKind kind = edge_kinds[t][k];
-    if (kind == EdgeKind::open) return false;
-    return kind == EdgeKind::flat || normals[t].dot(normals[neighbours[t][k]]) > cosine_of_a_degree;
-  }
   /// Selects a tree of oriented boxes for later searches.
   void orient_boxes() { oriented_ = ObbTree(vertices, triangles); }
 
@@ -112,7 +106,10 @@ struct TriangleMesh {
   };
   void find_neighbours();
   void find_notches();
-  void find_closed();
+  void find_connected();
+  /// Calls f(triangles) for those that neighbours t and next with joins(t, next) connect, the lowest first.
+  template <class Joins, class F>
+  void each_connected(const Joins& joins, const F& f) const;
   EdgeKind kind_of(const EdgeUse& p, const EdgeUse& q) const;
   std::uint32_t build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end);
 

@@ -1,5 +1,8 @@
 #include "detection/narrow/pairs/core_patch.h"
 
+#include <set>
+
+#include "detection/narrow/pairs/hollow_pairs.h"
 #include "detection/shapes/all_shapes.h"
 #include "tests/support/catch.h"
 #include "tests/support/pair_contacts.h"
@@ -8,6 +11,7 @@
 
 using namespace epafi;
 using support::about, support::contacts, support::deepest;
+using testing::pi;
 using testing::upright;
 
 namespace {
@@ -138,5 +142,57 @@ TEST_CASE("an end across an edge touches it at both rims, a side across it in on
     const Quat crossed = about(Vec3::UnitZ(), across) * about(Vec3::UnitY(), std::acos(0.0));
     CHECK(on_beam(Cylinder(radius, 2 * half), middle, radius - depth, crossed).size() == 1);
     CHECK(on_beam(Capsule(radius, 2 * half), middle, radius - depth, crossed).size() == 1);
+  }
+}
+
+namespace {
+
+/// A prism of height 0.4 around z over `sides` corners on a circle.
+ConvexHull prism(int sides, double radius) {
+  std::vector<Vec3> corners;
+  for (const double z : {-0.2, 0.2})
+    for (int k = 0; k < sides; ++k)
+      corners.push_back(about(Vec3::UnitZ(), 2.0 * pi * k / sides) * Vec3(radius, 0, 0) + Vec3(0, 0, z));
+  const HullSurface surface = hull_from_points(corners);
+  return ConvexHull::from_faces(surface.vertices, surface.faces).hull;
+}
+
+std::set<Feature> names_of(const ContactSet& c) { return {c.feature.begin(), c.feature.end()}; }
+
+}  // namespace
+
+TEST_CASE("a prism on a round end stands on all its corners, or on the same four whatever rounding says",
+          "[detection][core-patch]") {
+  Random random(115, 0);
+  for (int k = 0; k < 60; ++k) {
+    const int sides = 3 + static_cast<int>(random.bits() % 10);
+    const ConvexHull body = prism(sides, random.uniform(0.1, 0.5));
+    const Pose at{testing::random_point(random), testing::random_turn(random)};
+    const auto stands_on = [&](const auto& wall, double top) {
+      const Vec3 place(random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), top + 0.2 - 1e-4);
+      const Quat yaw = about(Vec3::UnitZ(), random.uniform(0, 2 * pi));
+      const auto meet = [&](double reach) {
+        const Quat tremble = about(testing::random_direction(random), 1e-10);
+        const Pose there{at.to_world(place), at.orientation * tremble * yaw};
+        ContactSet set;
+        ContactSink sink(set);
+        sink.begin(0, 1);
+        if constexpr (HollowShape<std::decay_t<decltype(wall)>>)
+          collide_closed(body, wall, PairQuery{there, at, reach}, sink);
+        else
+          collide(body, wall, PairQuery{there, at, reach}, sink);
+        sink.end();
+        return set;
+      };
+      const ContactSet all = meet(0.0);
+      CHECK(all.size() == static_cast<std::size_t>(sides));
+      for (const double gap : all.gap) CHECK(std::abs(gap + 1e-4) < 1e-8);
+      const std::set<Feature> four = names_of(meet(1e-3));
+      CHECK(four.size() == std::min<std::size_t>(4, static_cast<std::size_t>(sides)));
+      for (int again = 0; again < 10; ++again) CHECK(names_of(meet(1e-3)) == four);
+    };
+    stands_on(Cylinder(1.0, 0.6), 0.3);
+    stands_on(Tube(1.0, 0.6, true), 0.3);
+    stands_on(Cone(0.5, 1.0, 0.6, true), 0.3);
   }
 }

@@ -102,6 +102,7 @@ class ConvexOnMesh {
     find_sides(*mesh_, triangles_, b_.pose.position, fronts_);
     region_of_.assign(triangles_.size(), none);
     solved_.clear();
+    lost_.gap = 0.0;
     for (const std::uint32_t t : near_) {
       if (region_of_[place_of(triangles_, t)] != none) continue;
       gather_region(b_, triangles_, t, fronts_[place_of(triangles_, t)], region_);
@@ -110,6 +111,7 @@ class ConvexOnMesh {
       solved_.push_back({infinity, Vec3::Zero(), Vec3::Zero(), 0.0});
       solve(solved_.back());
     }
+    if (out_.empty() && lost_.gap < 0.0) out_.push_back(lost_);
   }
 
   /// The way out of the region; on a face where its plane is as good, within the tolerance. solved: what has contacts.
@@ -127,6 +129,7 @@ class ConvexOnMesh {
     if (!bent || leans) {
       out_.resize(before);
       on_face(best.triangle, best.normal, leans ? Face::leaning : Face::bent);
+      if (leans && out_.size() == before && way.gap < lost_.gap) keep_lost(way);
       way = {best.gap, best.normal, way.on_mesh, 0.0};
     } else if (is_known(way)) {
       return out_.resize(before);
@@ -195,6 +198,15 @@ class ConvexOnMesh {
     if (std::ranges::any_of(triangles_, hides)) return;
     const std::uint32_t name = local_name(make_feature(FeatureKind::single, 0, region_.front));
     out_.push_back({nearest.point + 0.5 * gap * way.normal, way.normal, gap, mesh_feature(region_.first, name)});
+  }
+
+  /// All ways out may lean on others: edges that end in a notch, the body deepest beyond it. The deepest remains.
+  void keep_lost(const WayOut& way) {
+    const std::size_t before = out_.size();
+    hold_deepest(way, before);
+    if (out_.size() == before) return;
+    lost_ = out_.back();
+    out_.pop_back();
   }
 
   /// True for walls around a notch, seen from behind: they bend away from each other, but enclose nothing.
@@ -324,6 +336,7 @@ class ConvexOnMesh {
   std::vector<WayOut> solved_;          ///< by region
   std::vector<SidePoint> side_, corners_;
   std::vector<MeshPoint> out_;
+  MeshPoint lost_{};
   ContactSet on_plane_;
   MeshRegion region_;
 };

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "detection/narrow/gjk/gjk.h"
+
 namespace epafi {
 namespace {
 
@@ -15,26 +17,47 @@ struct Touch {
   double distance;  ///< of the centre; < 0: the centre has gone through the triangle [m]
   std::uint32_t triangle;
   NearestOnTriangle nearest;
-  Vec3 normal;             ///< from the mesh to the sphere
-  std::uint32_t spot = 0;  ///< of the surface that smooth edges join
-  bool left_out = false;   ///< a nearer face of the same spot stands for it
+  Vec3 normal;            ///< from the mesh to the sphere
+  bool left_out = false;  ///< the contact of a nearer face is also its own
 };
 
-/// A sphere of a body whose own centre may lie elsewhere (the end of a capsule).
-class SphereOnMesh {
+/// Parameter in [0, 1] on the segment from a along u of its point nearest to the segment from b along v (Ericson
+/// 2005, 5.1.9).
+double nearest_of_segments(const Vec3& a, const Vec3& u, const Vec3& b, const Vec3& v) {
+  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), denominator = uu * vv - uv * uv;
+  const double s = (uv * v.dot(a - b) - u.dot(a - b) * vv) / denominator;
+  const Vec3 near = denominator > 1e-24 * uu * vv ? Vec3(a + std::clamp(s, 0.0, 1.0) * u) : Vec3(a + 0.5 * u);
+  return nearest_on_segment(b + nearest_on_segment(near, b, b + v) * v, a, a + u);
+}
+
+/// A sphere of a body whose own centre may lie elsewhere (the end of a capsule), and the side between two.
+class RoundOnMesh {
  public:
-  SphereOnMesh(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, double radius, double reach)
-      : mesh_(mesh), triangles_(triangles), radius_(radius), limit_(radius + reach), tolerance_(on_triangle * radius) {}
+  RoundOnMesh(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, double radius, double reach)
+      : mesh_(mesh),
+        triangles_(triangles),
+        radius_(radius),
+        limit_(radius + reach),
+        tolerance_(on_triangle * radius),
+        springs_(!(reach > 0.0)) {}
 
   /// The contacts of the sphere at `centre` of a body whose centre is `inside`, as f(gap, normal, feature); local:
   /// distinguishes the spheres.
   template <class F>
   void collide(const Vec3& centre, const Vec3& inside, std::uint32_t local, const F& f) {
     find_touches(centre, inside);
-    if (mesh_.bends_gently && touches_.size() > 1) leave_hollows();
-    for (std::size_t i = 0; i < touches_.size(); ++i)
-      if (!touches_[i].left_out && !is_covered(i, inside))
-        f(touches_[i].distance - radius_, touches_[i].normal, name(i, local));
+    for (std::size_t i = 0; i < touches_.size(); ++i) {
+      if (touches_[i].left_out || is_covered(i, inside)) continue;
+      const Touch touch = settle(i, centre, inside);
+      f(touch.distance - radius_, touch.normal, name(i, local));
+    }
+  }
+  /// The inside of a capsule's axis from `from` along `axis` against the edges of the mesh.
+  void collide_side(const Vec3& from, const Vec3& axis, std::vector<MeshPoint>& out) const {
+    if (!(axis.squaredNorm() > 0.0)) return;
+    for (const auto t : triangles_)
+      for (std::uint32_t k = 0; k < 3; ++k)
+        if (mesh_.edge_kinds[t][k] != EdgeKind::flat) collide_edge(t, k, from, axis, out);
   }
 
  private:
@@ -69,42 +92,58 @@ class SphereOnMesh {
     };
     std::sort(touches_.begin(), touches_.end(), is_before);
   }
-  /// In a shallow hollow several faces are near where the smooth surface would touch once: of faces joined by gentle
-  /// edges within reach, the nearest one replaces those inclined by less than `one_spot`.
-  void leave_hollows() {
-    find_spots();
-    for (std::size_t i = 1; i < touches_.size(); ++i) {
-      Touch& touch = touches_[i];
-      const auto leaves_out = [&](const Touch& nearer) {
-        return nearer.spot == touch.spot && !nearer.left_out && is_on_smooth(nearer) &&
-               nearer.normal.dot(touch.normal) > one_spot;
-      };
-      const auto here = touches_.begin() + static_cast<std::ptrdiff_t>(i);
-      touch.left_out = is_on_smooth(touch) && std::any_of(touches_.begin(), here, leaves_out);
+  /// Faces that smooth edges join to that of touch i are one smooth surface to the ball, which touches it once. Its
+  /// overlap is the shortest way out of all their planes: y with n . y >= depth of each (the distance from a convex
+  /// set, which turns continuously; Rockafellar and Wets 1998, 2.23). With n / depth as the point of a plane, y / |y|^2
+  /// is the point of their hull that is nearest to the origin.
+  Touch settle(std::size_t i, const Vec3& centre, const Vec3& inside) {
+    Touch out = touches_[i];
+    const double depth = radius_ - out.distance;
+    Simplex nearest;
+    nearest.count = 1;
+    Vec3 place = nearest.vertex[0].y = out.normal;
+    spot_.assign(1, out.normal);
+    walls_.clear();
+    for (std::size_t k = i + 1; k < touches_.size(); ++k) {
+      Touch wall = touches_[k];
+      const auto is_beside = [&](const Vec3& n) { return n.dot(wall.normal) > one_spot; };
+      if (mesh_.face[wall.triangle] == mesh_.face[out.triangle] ||
+          surface_of(wall.triangle) != surface_of(out.triangle) || std::ranges::none_of(spot_, is_beside))
+        continue;
+      spot_.push_back(wall.normal);
+      const bool extended = extend(wall, centre, inside);
+      const double cosine = wall.normal.dot(out.normal), deep = radius_ - wall.distance;
+      if (!(cosine > 0.0)) continue;
+      touches_[k].left_out = true;
+      if (deep > std::max(0.0, cosine * depth) && (extended || !is_covered(k, inside)))
+        walls_.push_back(depth / deep * wall.normal);
     }
-  }
-  /// Numbers the parts of the surface within reach that smooth edges join.
-  void find_spots() {
-    for (std::uint32_t i = 0; i < touches_.size(); ++i) touches_[i].spot = i;
-    bool changed = true;
-    while (changed) {
-      changed = false;
-      for (Touch& p : touches_)
-        for (Touch& q : touches_)
-          if (p.spot < q.spot && joins(p.triangle, q.triangle)) {
-            q.spot = p.spot;
-            changed = true;
-          }
+    const auto is_nearer = [&](const Vec3& v, const Vec3& w) { return v.dot(place) < w.dot(place); };
+    bool around = false;
+    for (std::size_t rounds = 0; rounds < 4 * walls_.size() && !around; ++rounds) {
+      const Vec3& wall = *std::min_element(walls_.begin(), walls_.end(), is_nearer);
+      if (wall.dot(place) >= (1.0 - 1e-12) * place.squaredNorm()) break;
+      nearest.vertex[static_cast<std::size_t>(nearest.count++)].y = wall;
+      place = closest_to_origin(nearest, around);
+      out.distance = radius_ - depth / place.norm();
+      out.normal = place.normalized();
     }
+    return out;
   }
-  bool joins(std::uint32_t t, std::uint32_t other) const {
-    for (std::size_t k = 0; k < 3; ++k)
-      if (mesh_.neighbours[t][k] == other && mesh_.is_smooth(t, k)) return true;
-    return false;
-  }
-  bool is_on_smooth(const Touch& touch) const {
-    const auto part = static_cast<std::size_t>(touch.nearest.part);
-    return touch.nearest.part == TrianglePart::face || (part <= 3 && mesh_.is_smooth(touch.triangle, part - 1));
+  std::uint32_t surface_of(std::uint32_t t) const { return springs_ ? mesh_.around[t].smooth : mesh_.around[t].gentle; }
+  /// Where the foot of the centre lies only beyond smooth concave edges of the triangle its plane goes on.
+  bool extend(Touch& touch, const Vec3& centre, const Vec3& inside) const {
+    const std::uint32_t t = touch.triangle;
+    const Vec3 normal = normal_towards(mesh_, t, inside);
+    const EdgeKind hollow = normal.dot(mesh_.normals[t]) > 0.0 ? EdgeKind::concave : EdgeKind::convex;
+    const auto corner = mesh_.corners(t);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const bool goes_on = mesh_.edge_kinds[t][k] == hollow && surface_of(mesh_.neighbours[t][k]) == surface_of(t);
+      if (!goes_on && mesh_.inward[t][k].dot(centre - corner[k]) < -tolerance_) return false;
+    }
+    touch.distance = normal.dot(centre - corner[0]);
+    touch.normal = normal;
+    return true;
   }
   /// True if its nearest point is on or behind a triangle that is as close or closer (a plate thinner than the overlap
   /// is one wall), or behind a face that the centre has passed.
@@ -129,44 +168,6 @@ class SphereOnMesh {
     }
     return mesh_feature(owner->triangle, local << 3 | static_cast<std::uint32_t>(owner->nearest.part));
   }
-
-  const TriangleMesh& mesh_;
-  std::span<const std::uint32_t> triangles_;
-  double radius_, limit_, tolerance_;
-  std::vector<Touch>& touches_ = room();
-  static std::vector<Touch>& room() {
-    static thread_local std::vector<Touch> touches;  // keeps its size: no allocation once the most were seen
-    return touches;
-  }
-};
-
-/// Parameter in [0, 1] on the segment from a along u of its point nearest to the segment from b along v (Ericson
-/// 2005, 5.1.9).
-double nearest_of_segments(const Vec3& a, const Vec3& u, const Vec3& b, const Vec3& v) {
-  const Vec3 w = a - b;
-  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w), vw = v.dot(w);
-  const double denominator = uu * vv - uv * uv;
-  double s = denominator > 1e-24 * uu * vv ? std::clamp((uv * vw - uw * vv) / denominator, 0.0, 1.0) : 0.5;
-  const double t = (uv * s + vw) / vv;
-  if (t < 0.0) s = std::clamp(-uw / uu, 0.0, 1.0);
-  if (t > 1.0) s = std::clamp((uv - uw) / uu, 0.0, 1.0);
-  return s;
-}
-
-/// The inside of a capsule's axis from `from` along `axis` against the edges of the mesh.
-class SideOnMesh {
- public:
-  SideOnMesh(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, double radius, double reach)
-      : mesh_(mesh), triangles_(triangles), radius_(radius), limit_(radius + reach), tolerance_(on_triangle * radius) {}
-
-  void collide(const Vec3& from, const Vec3& axis, std::vector<MeshPoint>& out) const {
-    if (!(axis.squaredNorm() > 0.0)) return;
-    for (const auto t : triangles_)
-      for (std::uint32_t k = 0; k < 3; ++k)
-        if (mesh_.edge_kinds[t][k] != EdgeKind::flat) collide_edge(t, k, from, axis, out);
-  }
-
- private:
   void collide_edge(std::uint32_t t, std::uint32_t k, const Vec3& from, const Vec3& axis,
                     std::vector<MeshPoint>& out) const {
     const auto corner = mesh_.corners(t);
@@ -203,6 +204,15 @@ class SideOnMesh {
   const TriangleMesh& mesh_;
   std::span<const std::uint32_t> triangles_;
   double radius_, limit_, tolerance_;
+  bool springs_;
+  // they keep their sizes: no allocation once the most were seen
+  std::vector<Touch>& touches_ = room<Touch, 0>();
+  std::vector<Vec3>&spot_ = room<Vec3, 0>(), &walls_ = room<Vec3, 1>();  ///< of one contact: normals, points of planes
+  template <class T, int>
+  static std::vector<T>& room() {
+    static thread_local std::vector<T> kept;
+    return kept;
+  }
 };
 
 }  // namespace
@@ -210,7 +220,7 @@ class SideOnMesh {
 void collide_triangles(const Sphere& a, const TriangleMesh& b, std::span<const std::uint32_t> triangles,
                        const PairQuery& q, ContactSink& sink) {
   const Vec3 centre = q.b.to_local(q.a.position);
-  SphereOnMesh(b, triangles, a.radius, q.reach)
+  RoundOnMesh(b, triangles, a.radius, q.reach)
       .collide(centre, centre, 0, [&](double gap, const Vec3& normal, Feature feature) {
         const Vec3 n = -(q.b.orientation * normal);
         sink.add({gap, n, a.radius * n, q.curvature ? a.radius : 0.0, feature});
@@ -224,15 +234,15 @@ void collide_triangles(const Capsule& a, const TriangleMesh& b, std::span<const 
   const Vec3 centre = q.b.to_local(q.a.position);
   const Vec3 half = q.b.orientation.conjugate() * (q.a.orientation * Vec3(0, 0, a.half_length()));
   const Vec3 low = centre - half, high = centre + half;
-  SphereOnMesh ends(b, triangles, a.radius, q.reach);
+  RoundOnMesh round(b, triangles, a.radius, q.reach);
   const auto collide_end = [&](const Vec3& end, std::uint32_t local) {
-    ends.collide(end, centre, local, [&](double gap, const Vec3& normal, Feature feature) {
+    round.collide(end, centre, local, [&](double gap, const Vec3& normal, Feature feature) {
       points.push_back({end - a.radius * normal, normal, gap, feature});
     });
   };
   collide_end(low, 0);
   if (a.length > 0.0) collide_end(high, 1);
-  SideOnMesh(b, triangles, a.radius, q.reach).collide(low, 2.0 * half, points);
+  round.collide_side(low, 2.0 * half, points);
   emit(
       points, centre, [&](const Vec3&) { return a.radius; }, q, sink);
 }

@@ -4,9 +4,10 @@
 /// of the surface (mesh_region.h): the plane of a face, with the depth limited by the region; at edges and corners
 /// along the shortest way out of the region. At most four points of one normal are kept, or under smooth laws all
 /// corners of the body. A contact on a face is named after the face, so its memory persists from triangle to triangle.
-/// A ball in a shallow hollow has one contact: of faces joined by edges of less than a degree, the nearest represents
-/// those within 30 degrees. Limits: bodies that move by more than their size through the surface in one step; hulls,
-/// and balls in steeper hollows, have one contact per face.
+/// A ball has one contact with a smooth surface, whose edges bend by less than 18 degrees (of rigid laws a degree): as
+/// deep as the shortest way out of its faces, so the force is continuous over concave edges, and over sharper ones
+/// while it overlaps by less than a twentieth of its radius. Limits: bodies that move by more than their size through
+/// the surface in one step; hulls, and balls in steeper hollows, have one contact per face.
 #pragma once
 #include "detection/narrow/mesh/mesh_contact.h"
 #include "detection/narrow/pairs/closed_forms.h"

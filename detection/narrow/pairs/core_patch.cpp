@@ -62,6 +62,17 @@ FlatSide edge_along(const PolyhedronView& p, const Vec3& n) {
   return edge;
 }
 
+/// A corner of the core, or one of the polyhedron's face that the cut side has there, or where edges of both cross.
+Feature name_point(const PolyhedronView& p, std::uint32_t face, const SidePoint& s, double tolerance) {
+  if (s.cut == 0) return make_feature(FeatureKind::vertex_b, 0, s.corner);
+  for (std::uint32_t k = p.face_begin[face]; k < p.face_begin[face + 1]; ++k) {
+    const std::uint32_t v = p.face_vertices[k];
+    if (p.face_normals[face].cross(s.x - p.vertices[v]).squaredNorm() <= 4.0 * tolerance * tolerance)
+      return make_feature(FeatureKind::vertex_a, v, 0);
+  }
+  return make_feature(FeatureKind::edges, s.cut, s.corner);
+}
+
 /// A straight side along an edge of the polyhedron, or an end across one.
 Patch on_edge(const CoreAndPolyhedron& pair, const NearestPoint& nearest, double reach, double sweep_polyhedron,
               double sweep_core) {
@@ -110,12 +121,10 @@ Patch core_patch(const CoreAndPolyhedron& pair, const NearestPoint& nearest, dou
     const double gap =
         std::max(nearest.gap, (m.dot(s.x) - p.face_offsets[face]) / m.dot(n) - sweep_polyhedron - sweep_core);
     if (!(gap < reach)) continue;
-    const Feature name = s.cut == 0 ? make_feature(FeatureKind::vertex_b, 0, s.corner)
-                                    : make_feature(FeatureKind::edges, s.cut, s.corner);
-    points.push_back({s.x - (sweep_core + 0.5 * gap) * n, gap, name});
+    points.push_back({s.x - (sweep_core + 0.5 * gap) * n, gap, name_point(p, face, s, side_snap * pair.size)});
   }
   Patch out;
-  keep_with_nearest(points, nearest, pair.size, out);
+  keep_with_nearest(points, nearest, pair.size, !(reach > 0.0), out);
   return out;
 }
 

@@ -74,7 +74,7 @@ Patch flat_patch(const FlatPair& pair, const NearestPoint& nearest, double reach
     points.push_back({s.x - (sweep + 0.5 * gap) * up, gap, make_feature(kind, s.cut, s.corner)});
   }
   Patch out;
-  keep_with_nearest(points, nearest, pair.size, out);
+  keep_with_nearest(points, nearest, pair.size, false, out);
   return out;
 }
 

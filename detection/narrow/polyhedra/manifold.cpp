@@ -212,12 +212,6 @@ void add_other_corners(const PolyhedronPair& pair, const SeparatingAxis& axis, c
   }
 }
 
-bool are_corners_of_one(std::span<const PatchPoint> points) {
-  const FeatureKind kind = points.empty() ? FeatureKind::edges : feature_kind(points.front().feature);
-  const auto is_alike = [kind](const PatchPoint& p) { return feature_kind(p.feature) == kind; };
-  return kind != FeatureKind::edges && std::ranges::all_of(points, is_alike);
-}
-
 /// Lowers all points equally until the deepest is at `gap`. If only the deepest were lowered, the moment would jump
 /// when a small tilt makes another one the deepest.
 void lower_to(double gap, Patch& out) {
@@ -227,6 +221,12 @@ void lower_to(double gap, Patch& out) {
 }
 
 }  // namespace
+
+bool are_corners_of_one(std::span<const PatchPoint> points) {
+  const FeatureKind kind = points.empty() ? FeatureKind::edges : feature_kind(points.front().feature);
+  const auto is_alike = [kind](const PatchPoint& p) { return feature_kind(p.feature) == kind; };
+  return kind != FeatureKind::edges && std::ranges::all_of(points, is_alike);
+}
 
 void keep_four(std::span<const PatchPoint> points, const Vec3& normal, double size, Patch& out) {
   out.count = 0;
@@ -267,14 +267,15 @@ void keep_corners(std::span<const PatchPoint> points, const Vec3& normal, double
   out.count = static_cast<int>(points.size());
 }
 
-void keep_with_nearest(std::vector<PatchPoint>& points, const NearestPoint& nearest, double size, Patch& out) {
+void keep_with_nearest(std::vector<PatchPoint>& points, const NearestPoint& nearest, double size, bool springs,
+                       Patch& out) {
   double least = infinity;
   for (const PatchPoint& p : points) least = std::min(least, p.gap);
   // At a tilt that still loads four corners the rim between two of them is less than a tenth deeper: 1 - cos 22.5 deg
   // of the half-width. With that rim point, a slightly tilted body would alternate between both patches.
   const bool on_corner = least <= nearest.gap + std::max(equal_gap * size, -0.1 * nearest.gap);
   if (!on_corner) points.push_back({nearest.position, nearest.gap, make_feature(FeatureKind::single, 0, 0)});
-  keep_four(points, nearest.normal, size, out);
+  keep_corners(points, nearest.normal, size, springs && are_corners_of_one(points), out);
   if (!on_corner) return;
   lower_to(nearest.gap, out);  // the corners stand for the rim between them
 }

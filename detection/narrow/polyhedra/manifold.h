@@ -55,6 +55,8 @@ struct NearestPoint {
   double gap;     ///< sweeps taken off [m]
 };
 
+bool are_corners_of_one(std::span<const PatchPoint> points);
+
 /// Keeps all points if they are overlapping corners of one body under a smooth law (see above), else 4.
 void keep_corners(std::span<const PatchPoint> points, const Vec3& normal, double size, bool springs, Patch& out);
 
@@ -64,6 +66,7 @@ void keep_corners(std::span<const PatchPoint> points, const Vec3& normal, double
 void keep_four(std::span<const PatchPoint> points, const Vec3& normal, double size, Patch& out);
 
 /// The same for corners of flat sides, plus the nearest point if no corner is as deep.
-void keep_with_nearest(std::vector<PatchPoint>& points, const NearestPoint& nearest, double size, Patch& out);
+void keep_with_nearest(std::vector<PatchPoint>& points, const NearestPoint& nearest, double size, bool springs,
+                       Patch& out);
 
 }  // namespace epafi
