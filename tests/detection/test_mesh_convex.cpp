@@ -269,7 +269,7 @@ S random_body(Random& random) {
     return S(sizes());
 }
 
-const char* const rock_names[] = {"table", "plate", "steps", "hull"};
+const char* const rock_names[] = {"table", "plate", "steps", "hull", "holed"};
 
 /// Of all poses, those that may be wrong: at corners where faces that bend both ways meet the way out of one region
 /// leans on another.
@@ -285,8 +285,8 @@ double known_share(support::RockKind kind) {
 
 template <class S>
 void sweep(long count, bool told) {
-  for (const support::RockKind kind :
-       {support::RockKind::table, support::RockKind::plate, support::RockKind::steps, support::RockKind::hull}) {
+  for (const support::RockKind kind : {support::RockKind::table, support::RockKind::plate, support::RockKind::steps,
+                                       support::RockKind::hull, support::RockKind::holed}) {
     Random random(650, static_cast<std::uint64_t>(kind));
     support::MeshSweep<S> poses(kind, random);
     support::SweepTally t;

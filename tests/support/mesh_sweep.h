@@ -5,13 +5,14 @@
 #pragma once
 #include "detection/narrow/gjk/epa.h"
 #include "detection/narrow/gjk/gjk.h"
+#include "tests/support/holed_plate.h"
 #include "tests/support/pair_errors.h"
 #include "tests/support/stepped_rocks.h"
 #include "tests/support/united_contacts.h"
 
 namespace epafi::support {
 
-enum class RockKind { table, plate, steps, hull };
+enum class RockKind { table, plate, steps, hull, holed };
 
 struct SweptRock {
   struct Part {
@@ -24,6 +25,7 @@ struct SweptRock {
   std::vector<Part> parts;  ///< about the origin
   SteppedRock cells{};      ///< of plates and steps, their middle at the origin
   Vec3 half = Vec3::Ones();
+  std::vector<Vec3> corners;  ///< where bodies are put, if not anywhere
 };
 
 /// Half of all rocks are as written: others in a frame of their own, up to 100 m away, and rounded to single precision.
@@ -43,6 +45,12 @@ inline SweptRock random_swept_rock(Random& random, RockKind kind) {
     rock.half = testing::random_point(random, 0.1, 0.5);
     surface = table_surface(rock.half, 1 + static_cast<int>(random.bits() % 4), random);
     rock.parts.push_back({Box(rock.half).hull, Vec3::Zero()});
+  } else if (kind == RockKind::holed) {
+    rock.half = testing::random_point(random, 0.1, 0.5);
+    HoledPlate plate = random_holed_plate(random, rock.half);
+    surface = std::move(plate.surface);
+    rock.corners = std::move(plate.corners);
+    for (auto& [hull, centre] : plate.parts) rock.parts.push_back({std::move(hull), centre});
   } else {
     const int n = 2 + static_cast<int>(random.bits() % (kind == RockKind::plate ? 3 : 2));
     rock.cells = random_rock(random, {n, n, kind == RockKind::plate ? 1 : 2}, 0.75);
@@ -154,12 +162,22 @@ class MeshSweep {
     const double size = body.bounding_radius();
     const Vec3 inside = 1.1 * rock.half.cwiseProduct(testing::random_point(random_));
     pose.position = inside + size * random_.uniform(0.2, 1.2) * testing::random_direction(random_);
+    if (!rock.corners.empty())
+      pose.position = rock.corners[random_.bits() % rock.corners.size()] - pose.orientation * somewhere_on(body);
     for (int step = 0; step < 30; ++step) {
       const WayOfPart now = deepest_way(body, pose, rock);
       if (std::abs(now.gap + depth) < 1e-9 * size) return is_outside(body, pose, rock);
       pose.position += (now.gap + depth) * now.normal;
     }
     return false;
+  }
+  /// A point of an edge or side, or near the body.
+  Vec3 somewhere_on(const S& body) {
+    const Vec3 d = testing::random_direction(random_), e = d + 0.3 * testing::random_direction(random_);
+    if constexpr (Compound<S>)
+      return body.bounding_radius() * random_.uniform(0.2, 1.0) * d;
+    else
+      return body.support(d) + body.rounding() * d + random_.uniform() * (body.support(e) - body.support(d));
   }
   static WayOfPart deepest_way(const S& body, const Pose& pose, const SweptRock& rock) {
     WayOfPart least{infinity, Vec3::Zero()};

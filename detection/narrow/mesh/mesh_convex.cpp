@@ -117,14 +117,17 @@ class ConvexOnMesh {
   /// The way out of the region; on a face where its plane is as good, within the tolerance. solved: what has contacts.
   void solve(WayOut& solved) {
     WayOut way = find_way_out(b_, region_);
-    if (way.uncertainty > narrow_enough * std::max(b_.core.radius, region_.radius)) sink_->mark_degenerate();
-    if (!(way.gap - b_.sweep < b_.reach) || !is_on_surface(way.on_mesh)) return;
+    if (!(way.gap - b_.sweep < b_.reach)) return;
     const RegionPlane& best = best_plane();
-    // a plane within 1e-5 rad of the way out is used instead
-    const bool along = way.normal.cross(best.normal).squaredNorm() <= along_face * along_face;
-    const double slack = along ? b_.tolerance : 1e-3 * b_.tolerance + 1e-12 * region_.radius;
+    bool bent = is_bent(way, best), held = is_on_surface(way.on_mesh);
+    if ((!held || (bent && leans_on_others(way, way.on_mesh))) && continue_rims(b_, region_)) {
+      way = find_way_out(b_, region_);
+      bent = is_bent(way, best);
+      held = !bent || is_on_rim(way, way.on_mesh) || is_on_surface(way.on_mesh);
+    }
+    if (way.uncertainty > narrow_enough * std::max(b_.core.radius, region_.radius)) sink_->mark_degenerate();
+    if (!held) return;
     const std::size_t before = out_.size();
-    const bool bent = best.gap < way.gap - slack;
     const bool leans = bent && !on_edge(way) && leans_on_others(way, way.on_mesh);
     if (!bent || leans) {
       out_.resize(before);
@@ -213,6 +216,25 @@ class ConvexOnMesh {
   bool is_on_surface(const Vec3& x) const {
     return std::ranges::any_of(triangles_, [&](std::uint32_t t) { return lies_on(*mesh_, t, x, 10.0 * b_.tolerance); });
   }
+  /// The way out is shorter than along the best plane; a plane within 1e-5 rad of it is used instead.
+  bool is_bent(const WayOut& way, const RegionPlane& best) const {
+    const bool along = way.normal.cross(best.normal).squaredNorm() <= along_face * along_face;
+    return best.gap < way.gap - (along ? b_.tolerance : 1e-3 * b_.tolerance + 1e-12 * region_.radius);
+  }
+  /// True if x is on the line of a rim of the region, and the way out leaves both of its faces: whatever else meets the
+  /// rim there.
+  bool is_on_rim(const WayOut& way, const Vec3& x) const {
+    bool found = false;
+    each_rim(*mesh_, region_, [&](std::uint32_t t, std::size_t k) {
+      const auto corner = mesh_->corners(t);
+      const Vec3 along = (corner[(k + 1) % 3] - corner[k]).normalized(), w = x - corner[k];
+      const Vec3 &m = mesh_->normals[t], &n = mesh_->normals[mesh_->neighbours[t][k]];
+      const Vec3 out = region_.front ? way.normal : Vec3(-way.normal), turn = m.cross(n);
+      found = found || (std::abs(out.dot(along)) <= along_face && w.cross(along).norm() <= 10.0 * b_.tolerance &&
+                        m.cross(out).dot(turn) >= 0.0 && out.cross(n).dot(turn) >= 0.0);
+    });
+    return found;
+  }
   const RegionPlane& best_plane() {
     for (RegionPlane& p : region_.planes) p.gap = p.normal.dot(b_.tip(-p.normal) - p.point);
     return *std::ranges::max_element(region_.planes, {}, &RegionPlane::gap);
@@ -223,7 +245,7 @@ class ConvexOnMesh {
     const auto reaches_out = [&](const Vec3& c) {  // flat within 1e-6 rad is not reaching out
       return way.normal.dot(c - x) > 1e-3 * b_.tolerance + 1e-6 * (c - x).norm();
     };
-    return std::ranges::any_of(triangles_, [&](std::uint32_t t) {
+    return !is_on_rim(way, x) && std::ranges::any_of(triangles_, [&](std::uint32_t t) {
       return !std::ranges::binary_search(region_.triangles, t) && lies_on(*mesh_, t, x, 10.0 * b_.tolerance) &&
              std::ranges::any_of(mesh_->corners(t), reaches_out);
     });

@@ -11,6 +11,7 @@ namespace epafi {
 namespace {
 
 constexpr double not_rising = 1e-9;  // [rad] far below what a normal can feel, far above rounding
+constexpr double blunt = 1e-6;       // [rad] an edge that bends less does not end a rim
 constexpr double same_distance = 1e-9, half_turn = 3.14159265358979323846;
 
 /// The triangles around a place, gathered to a region: the first in any case, rounded slivers lie around notches.
@@ -176,6 +177,54 @@ void gather_region(const PlacedCore& body, std::span<const std::uint32_t> triang
     }
   }
   std::sort(region.triangles.begin(), region.triangles.end());
+}
+
+namespace {
+
+/// How far the solid goes on from a vertex along a unit direction, at most `most` [m]; 0: not at all. It goes on where
+/// no triangle of the vertex turns its outside that way, and at least one its inside.
+double solid_beyond(const PlacedCore& body, bool front, const Vec3& from, const Vec3& along, double most) {
+  const TriangleMesh& mesh = *body.mesh;
+  const double side = front ? 1.0 : -1.0;
+  bool behind = false, outside = false;
+  double length = most;
+  const Vec3 to = from + most * along;
+  static thread_local std::vector<std::uint32_t> near;  // keeps its size
+  near.clear();
+  mesh.query(Aabb{from.cwiseMin(to), from.cwiseMax(to)}.fattened(body.tolerance), near);
+  for (const std::uint32_t t : near) {
+    const double rise = side * mesh.normals[t].dot(along), height = over_triangle(mesh, t, from).height;
+    if (lies_on(mesh, t, from, body.tolerance)) {
+      behind = behind || rise < -blunt;
+      outside = outside || rise > blunt;
+    } else if (stands_between(mesh, t, from, to, 0.0)) {
+      length = std::min(length, std::abs(height / rise));
+    }
+  }
+  return behind && !outside ? length : 0.0;
+}
+
+}  // namespace
+
+bool continue_rims(const PlacedCore& body, MeshRegion& region) {
+  const TriangleMesh& mesh = *body.mesh;
+  const std::size_t before = region.corners.size();
+  each_rim(mesh, region, [&](std::uint32_t t, std::size_t k) {
+    const auto corner = mesh.corners(t);
+    const Vec3 &a = corner[k], &b = corner[(k + 1) % 3], along = (b - a).normalized();
+    for (const auto& [end, way] : {std::pair<Vec3, Vec3>{a, -along}, {b, along}}) {
+      const double length = solid_beyond(body, region.front, end, way, 2.0 * (body.core.radius + body.sweep));
+      const Vec3 beyond = end + length * way;
+      const auto rises = [&](const RegionPlane& p) {
+        const Vec3 w = beyond - p.point;
+        return p.normal.dot(w) > body.tolerance + not_rising * w.norm();
+      };
+      if (!(length > body.tolerance) || std::ranges::any_of(region.planes, rises)) continue;
+      region.corners.push_back(beyond - body.pose.position);
+      region.radius = std::max(region.radius, region.corners.back().norm());
+    }
+  });
+  return region.corners.size() > before;
 }
 
 WayOut find_way_out(const PlacedCore& body, const MeshRegion& region) {

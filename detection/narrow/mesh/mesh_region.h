@@ -49,6 +49,23 @@ struct MeshRegion {
 void gather_region(const PlacedCore& body, std::span<const std::uint32_t> triangles, std::uint32_t t, bool front,
                    MeshRegion& region);
 
+/// Calls f(t, k) for the rims of a region: sides k of its triangles t where its surface bends to another of them.
+template <class F>
+void each_rim(const TriangleMesh& mesh, const MeshRegion& region, const F& f) {
+  for (const std::uint32_t t : region.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t next = mesh.neighbours[t][k];
+      if (mesh.edge_kinds[t][k] == (region.front ? EdgeKind::convex : EdgeKind::concave) && next > t &&
+          std::ranges::binary_search(region.triangles, next))
+        f(t, k);
+    }
+}
+
+/// Adds the rims' continuations where they end at a wall: the solid goes on behind it, as far as the body reaches or up
+/// to the next surface. (Seen alone, the side of a hole ends in a corner that a body there would slip past.) True: some
+/// were added.
+bool continue_rims(const PlacedCore& body, MeshRegion& region);
+
 /// Signed distance of a core and a region.
 struct WayOut {
   double gap = 0.0;  ///< of the core [m]
