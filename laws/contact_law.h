@@ -32,7 +32,9 @@ struct KinematicsOf {
   /// The same of one that grows with overlap^growth from the first touch on.
   EPAFI_LANES Real viscous(const Real& dashpot, const Real& stiffness, const Real& growth) const {
     const Real damper = damper_in_step<Real>(step.half_mobility, dashpot, growth);
-    const Real weighed = damper * begun_share<Real>(overlap, step.dt * middle_velocity, growth);
+    Real weighed = damper * begun_share<Real>(overlap, step.dt * middle_velocity, growth);
+    if (!(step.dt > 0.0))  // at the start of a run a touch to within rounding begins in the first step
+      weighed = if_less(stiffness * overlap, 1e-6 * (dashpot * approach_velocity), Real{}, weighed);
     return damper_force(step, weighed, stiffness, approach_velocity, middle_velocity);
   }
 };

@@ -93,6 +93,7 @@ class Session {
   std::uint64_t last_step() const { return record_.stages.back().first_step + assembly_->steps; }
   bool has_record() const;
   void keep_fills();
+  void warn_of_end(const StageSpec& stage) const;
   void report_dropped(const std::vector<std::string>& dropped) const;
   void files_renew();  ///< for bodies and shapes of another assembly
   std::optional<Ending> step_once(std::uint64_t last_step, bool run_on);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/ranks/rank_team.h"
+#include "engine/threads/order_free_sum.h"
 #include "engine/threads/parallel.h"
 #include "scenes/railway/on_rails.h"
 #include "scenes/session.h"
@@ -37,12 +38,41 @@ bool Session::has_record() const {
 
 void Session::report_dropped(const std::vector<std::string>& dropped) const {
   const std::string& name = record_.stages.back().name;
-  for (const std::string& what : dropped)
-    std::fprintf(stderr, "epafi: %sdropped: %s\n", name.empty() ? "" : fmt::format("stage '{}': ", name).c_str(),
-                 what.c_str());
+  Simulation& sim = *assembly_->simulation;
+  for (const std::string& what : dropped) {
+    const std::string text = (name.empty() ? "" : fmt::format("stage '{}': ", name)) + "dropped: " + what;
+    sim.warnings.add({.kind = text, .text = text, .first_step = sim.steps(), .first_time = sim.world.time});
+  }
 }
 
 namespace {
+
+/// Where a stage waits for rest: the share of rotation, which friction does not stop about the normal of a contact.
+std::string rotation_text(const World& world) {
+  if (!world.rotates()) return "";
+  const auto translation = [&](std::size_t s) {
+    return world.is_movable(static_cast<Slot>(s)) ? 0.5 * world.velocity[s].squaredNorm() / world.inverse_mass[s] : 0.0;
+  };
+  const double all = kinetic_energy(world), rotation = all - order_free_sum(world.size(), translation);
+  if (!(all > 0.0)) return "";
+  return fmt::format(
+      "; of {:.3g} J in the end {:.2g} was rotation, which friction does not stop about the normal of a "
+      "contact",
+      all, rotation / all);
+}
+
+/// Empty where the cell has the pressure that the scene asks for, to within 0.1 of it along every axis.
+std::string pressure_warning(const Scene& scene, const World& world) {
+  if (!scene.cell || !scene.cell->control.pressure) return "";
+  const double asked = *scene.cell->control.pressure;
+  const Vec3 stress = world.cell->stress(), off = (stress / asked - Vec3::Ones()).cwiseAbs();
+  int axis = 0;
+  if (!(off.maxCoeff(&axis) > 0.1)) return "";
+  return fmt::format(
+      "the cell had a pressure of {:.3g} Pa along {} in the end, not of {:.3g} Pa; it was straining by "
+      "{:.2g} 1/s: run longer or begin denser",
+      stress[axis], "xyz"[axis], asked, world.cell->strain_rate[axis]);
+}
 
 /// True where forces come from the run that the scene starts from, and contacts are first found in a step.
 bool contacts_come_later(const Assembly& a) {
@@ -77,17 +107,28 @@ bool Session::stage_is_met() {
   return true;
 }
 
+/// Of what the scene asks for and a stage that ends by its time did not reach.
+void Session::warn_of_end(const StageSpec& stage) const {
+  Simulation& sim = *assembly_->simulation;
+  sim.gather_state();
+  const auto add = [&](const std::string& kind, const std::string& text) {
+    sim.warnings.add(
+        {.kind = kind + stage.name, .text = text, .first_step = sim.steps(), .first_time = sim.world.time});
+  };
+  if (stage.until) {
+    const bool rests = stage.until->component == "kinetic" && !stage.until->above;
+    add("stage ", at_most_warning(record_.stages.back(), stage) + (rests ? rotation_text(sim.world) : ""));
+  }
+  if (const std::string text = pressure_warning(assembly_->scene, sim.world); !text.empty()) add("pressure ", text);
+}
+
 /// Enters the next stage; false where the present one was the last.
 bool Session::next_stage() {
   const Scene& scene = assembly_->scene;
   const StageSpec& stage = scene.stages[scene.stage];
-  if (record_.stages.back().ended.empty()) end_record(stage.until ? "at_most" : "duration");
-  if (stage.until && record_.stages.back().ended == "at_most") {
-    const Simulation& sim = *assembly_->simulation;
-    assembly_->simulation->warnings.add({.kind = "stage " + stage.name,
-                                         .text = at_most_warning(record_.stages.back(), stage),
-                                         .first_step = sim.steps(),
-                                         .first_time = sim.world.time});
+  if (record_.stages.back().ended.empty()) {
+    end_record(stage.until ? "at_most" : "duration");
+    warn_of_end(stage);
   }
   if (frames_ && !frames_->is_due(assembly_->simulation->steps())) assembly_->simulation->show(*frames_);
   if (scene.stage + 1 >= scene.stages.size()) return false;

@@ -300,11 +300,11 @@ class ContactEstimate {
   void take(double stable, double half, const char* why) {
     if (stable < limit) {
       limit = stable;
-      limit_reason = fmt::format("what a contact {} bears", why);
+      limit_reason = fmt::format("what a contact {} bears as a rule", why);
     }
     if (half >= chosen) return;
     chosen = half;
-    reason = fmt::format("half of the stable step of a contact {}", why);
+    reason = fmt::format("half of {:.4g} s, the stable step of the worst contact {}", 2.0 * half, why);
   }
 
   const Survey& survey_;

@@ -24,6 +24,9 @@ struct Capsule {
   }
 
   double half_length() const { return 0.5 * length; }
+  /// Too short for two contact points side by side: the contact areas of its ends would be one (Hertz: a radius of
+  /// 0.1 r at an overlap of 0.01 r). It touches with the deeper end, so that it becomes a sphere as L goes to 0.
+  bool is_short() const { return length < 0.25 * radius; }
   double volume() const { return std::numbers::pi * radius * radius * (length + 4.0 / 3.0 * radius); }
   double contact_radius() const { return radius; }  ///< of its ends [m]; along the side half the curvature is left out
   double bounding_radius() const { return half_length() + radius; }
@@ -47,10 +50,10 @@ struct Capsule {
   }  // core: a segment
   CylinderCore cylinder_core() const { return {0.0, half_length()}; }
   double rounding() const { return radius; }
-  /// The axis, where d looks across it.
+  /// The axis, where d looks across it and it is not short.
   FlatSide facing(const Vec3& d) const {
     FlatSide side;
-    if (!(d.z() * d.z() < facing_sine * facing_sine * d.squaredNorm())) return side;
+    if (is_short() || !(d.z() * d.z() < facing_sine * facing_sine * d.squaredNorm())) return side;
     side.corner[0] = {0.0, 0.0, -half_length()};
     side.corner[1] = {0.0, 0.0, half_length()};
     side.count = 2;

@@ -72,9 +72,6 @@ void check_combination(const SmoothSetup& setup, const SmoothParts& parts, std::
         "tangential law '" + parts.tangential + "' needs a Hertzian normal law, not '" + parts.normal +
             "'; use tangential = \"" +
             (parts.tangential == MindlinDashpot::name ? SpringDashpot::name : CoulombSpring::name) + "\"");
-  if (parts.rolling != NoRolling::name && parts.tangential == NoFriction::name)
-    add(out, Problem::Level::error,
-        "rolling law '" + parts.rolling + "' needs friction: with friction 0 nothing makes a body roll");
   const bool has_dashpot = parts.tangential.ends_with("-dashpot") || parts.tangential == NoFriction::name;
   if (!has_dashpot &&
       any_pair(setup.materials, [](const MaterialPair& p) { return p.parameters.has("tangential_damping"); }))
@@ -189,7 +186,9 @@ SmoothParts smooth_parts(const SmoothSetup& setup) {
   parts.rolling = chosen(setup.rolling, RollingSpring::name);
   if (!any_pair(setup.materials, [](const MaterialPair& p) { return p.friction > 0.0; }))
     parts.tangential = NoFriction::name;
-  if (!any_pair(setup.materials, [](const MaterialPair& p) { return p.rolling_friction > 0.0; }))
+  // without friction nothing makes a body roll
+  if (parts.tangential == NoFriction::name ||
+      !any_pair(setup.materials, [](const MaterialPair& p) { return p.rolling_friction > 0.0; }))
     parts.rolling = NoRolling::name;
   return parts;
 }

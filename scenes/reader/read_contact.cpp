@@ -199,9 +199,10 @@ void warn_idle(Draft& draft) {
   const auto rolling = places_above_zero(contact, &ContactSettings::rolling_friction, &PairSpec::rolling_friction);
   if (!smooth) return warn(rolling, "rolling_friction is not used by method 'nonsmooth'");
   if (contact.rolling.value == "none") warn(rolling, "rolling_friction is not used by rolling law 'none'");
-  if (contact.tangential.value == "none")
-    warn(places_above_zero(contact, &ContactSettings::friction, &PairSpec::friction),
-         "friction is not used by tangential law 'none'");
+  const auto friction = places_above_zero(contact, &ContactSettings::friction, &PairSpec::friction);
+  if (friction.empty() || contact.tangential.value == "none")
+    warn(rolling, "rolling_friction does nothing without friction");
+  if (contact.tangential.value == "none") warn(friction, "friction is not used by tangential law 'none'");
   const bool rolls = contact.rolling.written() && contact.rolling.value != "none";
   if (rolls && rolling.empty() && !contact.rolling_friction.written())
     draft.reading.warning(contact.rolling.place, "rolling law '" + contact.rolling.value +

@@ -435,3 +435,42 @@ TEST_CASE("a ball as near to an inner edge as rounding can tell has one contact"
     CHECK(found.size() == 1);
   }
 }
+
+TEST_CASE("a short capsule touches each flat surface with its deeper end alone, as the sphere that it becomes",
+          "[detection][mesh-pairs][capsule]") {
+  const Vec3 half(1, 1, 0.25);
+  const TriangleMesh mesh = TriangleMesh::from_surface(box_surface(half));
+  std::vector<std::uint32_t> all(mesh.triangles.size());
+  for (std::uint32_t t = 0; t < all.size(); ++t) all[t] = t;
+  Random random(131, 0);
+  for (int k = 0; k < 400; ++k) {
+    const double r = 0.1, depth = r * std::pow(10.0, -random.uniform(1, 8));
+    const Capsule capsule(r, k % 5 == 0 ? 0.0 : 0.2499 * r * random.uniform(0, 1));
+    const double lean = k % 2 == 0 ? std::pow(10.0, -random.uniform(0, 5)) : random.uniform(-1.5, 1.5);
+    const Quat turn = Quat(Eigen::AngleAxisd(random.uniform(0, 6), Vec3::UnitZ())) *
+                      Quat(Eigen::AngleAxisd(std::acos(0.0) + lean, Vec3::UnitY()));
+    const Vec3 axis = turn * Vec3::UnitZ();
+    const double reaches = capsule.half_length() * std::abs(axis.z());
+    const Pose pose{{random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), half.z() + r + reaches - depth}, turn};
+    const auto check = [&](const char* other, double rounding, const Pose& there, const auto& collide_them) {
+      ContactSet c;
+      ContactSink sink(c);
+      sink.begin(0, 1);
+      collide_them(PairQuery{pose, there, 0.0, false, nullptr}, sink);
+      sink.end();
+      INFO(other << ", draw " << k << ", length " << capsule.length << ", lean " << lean << ", depth " << depth);
+      REQUIRE(c.size() == 1);
+      CHECK(std::abs(c.gap[0] + depth) < rounding);
+      CHECK((c.normal[0] + Vec3::UnitZ()).norm() < 1e-9);
+      const Vec3 end = axis.z() > 0.0 ? Vec3(-capsule.half_length() * axis) : Vec3(capsule.half_length() * axis);
+      CHECK((c.arm[0] - end).head<2>().norm() < 1e-9);
+    };
+    check("half-space", 1e-15, {{0, 0, half.z()}, Quat::Identity()},
+          [&](const PairQuery& q, ContactSink& out) { collide_closed(capsule, HalfSpace{}, q, out); });
+    check("box", 1e-12, {}, [&](const PairQuery& q, ContactSink& out) { collide(capsule, Box(half), q, out); });
+    check("cylinder", 1e-12, {},
+          [&](const PairQuery& q, ContactSink& out) { collide(capsule, Cylinder(1.0, 0.5), q, out); });
+    check("mesh", 1e-12, {},
+          [&](const PairQuery& q, ContactSink& out) { collide_triangles(capsule, mesh, all, q, out); });
+  }
+}

@@ -1,4 +1,6 @@
 // What is told of stages to come before they begin, and of scenes that a run goes on with.
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -69,6 +71,9 @@ TEST_CASE("a spring whose body a stage removes is reported", "[scenes][stages][w
   const Captured told = told_by([&] { return command_run(common, run); });
   CHECK(told.code == exit_done);
   CHECK_THAT(told.err, Catch::Contains("stage 'two': dropped: 1 of 1 springs: a body that they hold is gone"));
+  std::ifstream summary(folder / "out" / "summary.json");
+  const std::string written{std::istreambuf_iterator<char>(summary), {}};
+  CHECK_THAT(written, Catch::Contains("dropped: 1 of 1 springs"));
 }
 
 TEST_CASE("a run is not continued with a scene or change whose conditions ask for what is not there",
@@ -173,4 +178,42 @@ TEST_CASE("the ledger closes where a stage changes the law, as it does between s
       // springs
       CHECK(gap < 0.02 * std::abs(before.elastic.value()));
     }
+}
+
+TEST_CASE("a cell that ends without its pressure has it in its warnings", "[scenes][stages][warnings]") {
+  const TemporaryFolder folder;
+  std::mt19937 random(23);
+  for (int draw = 0; draw < 4; ++draw) {
+    const double pressure = std::pow(10.0, 3.0 + 2.0 * std::uniform_real_distribution<double>()(random));
+    std::string cell = told_scene;
+    cell.replace(
+        cell.find("[material.m]"), 0,
+        fmt::format("[world]\ndomain = {{ min = [-0.2, -0.2, -0.2], max = [2, 2, 2], periodic = [\"x\", \"y\", "
+                    "\"z\"], pressure = {} }}\n",
+                    pressure));
+    CommonOptions common;
+    common.scene = told_file(folder, "cell.toml", cell).string();
+    RunOptions run;
+    run.out = (folder / fmt::format("out{}", draw)).string();
+    run.threads = 1;
+    run.quiet = true;
+    const Captured told = told_by([&] { return command_run(common, run); });
+    CHECK(told.code == exit_done);
+    CHECK_THAT(told.err, Catch::Contains(fmt::format("not of {:.3g} Pa", pressure)));
+  }
+}
+
+TEST_CASE("rolling friction without friction is told and does nothing", "[scenes][warnings]") {
+  const TemporaryFolder folder;
+  std::mt19937 random(24);
+  for (const char* law : {"", "[contact.smooth]\nrolling = \"spring\"\n"}) {
+    std::string scene = told_scene;
+    const double mu = std::uniform_real_distribution<double>(0.01, 1.0)(random);
+    scene.replace(scene.find("friction = 0.5"), 14, fmt::format("friction = 0\nrolling_friction = {}\n{}", mu, law));
+    CommonOptions common;
+    common.scene = told_file(folder, "rolls.toml", scene).string();
+    const Captured check = told_by([&] { return command_check(common); });
+    CHECK(check.code == exit_done);
+    CHECK_THAT(check.err, Catch::Contains("rolling_friction does nothing without friction"));
+  }
 }

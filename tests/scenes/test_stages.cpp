@@ -459,6 +459,7 @@ TEST_CASE("a condition ends a stage when it has held so long, else the longest t
   CHECK(never.summary().stages[0].until == Approx(0.01).margin(1e-6));
   REQUIRE(never.warnings().size() == 1);
   CHECK(never.warnings()[0].find("stage 'settle' ended at its longest time") != std::string::npos);
+  CHECK(never.warnings()[0].find("was rotation") != std::string::npos);
 }
 
 TEST_CASE("what a record holds comes back from its text", "[scenes][stages]") {

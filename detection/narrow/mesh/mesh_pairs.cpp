@@ -215,6 +215,26 @@ class RoundOnMesh {
   }
 };
 
+/// Of points of both ends of a short capsule on one spot the deepest remains, with a name that both ends have.
+void keep_deeper_end(std::vector<MeshPoint>& points) {
+  std::ranges::sort(points, [](const MeshPoint& p, const MeshPoint& q) {
+    return p.gap < q.gap || (p.gap == q.gap && p.feature < q.feature);
+  });
+  const auto end = [](const MeshPoint& p) { return p.feature >> 3 & 1; };
+  std::size_t kept = 0;
+  for (const MeshPoint& p : points) {
+    const auto stands_for = [&](const MeshPoint& q) { return end(q) != end(p) && q.normal.dot(p.normal) > one_spot; };
+    if (std::none_of(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(kept), stands_for))
+      points[kept++] = p;
+  }
+  points.resize(kept);
+  for (MeshPoint& p : points) {
+    const Feature shared = p.feature & ~mesh_feature(0, 1u << 3);
+    const auto has_it = [&](const MeshPoint& q) { return q.feature == shared; };
+    if (std::ranges::none_of(points, has_it)) p.feature = shared;
+  }
+}
+
 }  // namespace
 
 void collide_triangles(const Sphere& a, const TriangleMesh& b, std::span<const std::uint32_t> triangles,
@@ -242,7 +262,10 @@ void collide_triangles(const Capsule& a, const TriangleMesh& b, std::span<const 
   };
   collide_end(low, 0);
   if (a.length > 0.0) collide_end(high, 1);
-  round.collide_side(low, 2.0 * half, points);
+  if (a.is_short())
+    keep_deeper_end(points);
+  else
+    round.collide_side(low, 2.0 * half, points);
   emit(
       points, centre, [&](const Vec3&) { return a.radius; }, q, sink);
 }

@@ -57,7 +57,7 @@ Vec3 orthogonal_to(const Vec3& u) {
   // Common length, measured along A.
   const double end = lb * std::abs(cosine);
   const double low = std::max(-la, cu - end), high = std::min(la, cu + end);
-  if (!(high - low > 1e-6 * (la + lb))) {
+  if (a.is_short() || b.is_short() || !(high - low > 1e-6 * (la + lb))) {
     const double s = std::clamp(0.5 * (low + high), -la, la), t = on_b(s);
     return add(on_a(t), t, 0);
   }
@@ -68,11 +68,15 @@ Vec3 orthogonal_to(const Vec3& u) {
 [[gnu::flatten]] void collide_closed(const Capsule& a, const HalfSpace& b, const PairQuery& q, ContactSink& sink) {
   const Vec3 outward = q.b.orientation * b.normal, axis = q.a.orientation * Vec3::UnitZ();
   const double height = outward.dot(q.a.position - q.b.position);
-  for (const Feature end : {Feature{0}, Feature{1}}) {
-    const Vec3 centre = (end == 0 ? -a.half_length() : a.half_length()) * axis;
+  const auto add = [&](double along, Feature feature) {
+    const Vec3 centre = along * axis;
     const double gap = height + outward.dot(centre) - a.radius;
-    if (gap < q.reach) sink.add({gap, -outward, centre - a.radius * outward, a.radius, end});
-  }
+    if (gap < q.reach) sink.add({gap, -outward, centre - a.radius * outward, a.radius, feature});
+  };
+  const double tilt = outward.dot(axis);
+  if (a.is_short()) return add(tilt > 0.0 ? -a.half_length() : tilt < 0.0 ? a.half_length() : 0.0, 0);
+  add(-a.half_length(), 0);
+  add(a.half_length(), 1);
 }
 
 void collide_closed(const Cylinder& a, const HalfSpace& b, const PairQuery& q, ContactSink& sink) {

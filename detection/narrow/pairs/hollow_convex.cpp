@@ -164,6 +164,7 @@ class Guest {
     for (std::size_t k = 0; k < guest_.corners.size(); ++k)
       if (on_side(at_ + turn_ * guest_.corners[k], static_cast<Feature>(k), p)) points.push_back(p);
     if (guest_.corners.empty()) furthest_across(points);
+    if (guest_.one_point && points.size() > 1) points = {*std::ranges::min_element(points, {}, &Point::gap)};
     sink_.enter_part(side_part, Vec3::Zero());
     keep(points);
     sink_.leave_part(Vec3::Zero());

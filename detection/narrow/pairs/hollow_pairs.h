@@ -57,6 +57,7 @@ struct HollowGuest {
   void (*on_plane)(const void*, const HalfSpace&, const PairQuery&, ContactSink&);
   void (*on_solid)(const void*, const HollowSolid&, const PairQuery&, ContactSink&);
   void (*on_point)(const void*, const PairQuery&, ContactSink&);  ///< A is a point
+  bool one_point = false;                                         ///< of its corners the deepest alone touches the side
 };
 void collide_guest(const HollowGuest& guest, const HollowWall& wall, const PairQuery& q, ContactSink& sink);
 
@@ -76,6 +77,7 @@ requires(!std::is_same_v<S, Sphere>) void collide_closed(const S& a, const W& b,
   } else if constexpr (std::is_same_v<S, Capsule>) {
     ends = {Vec3(0.0, 0.0, -a.half_length()), Vec3(0.0, 0.0, a.half_length())};
     guest.corners = ends;
+    guest.one_point = a.is_short();
   } else if constexpr (HasFlatSides<S>) {
     guest.facing = facing_of<S>;
   }
