@@ -156,6 +156,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       const NamedContact n = all.named(c, load);
       contacts.append(n.a, n.b, n.point);
       contacts.force.push_back(n.on_a.force);
+      if (contacts.with_moment) contacts.moment.push_back(n.on_a.moment);
     }
   }
   void add_virial(const World& world, Virial& virial) const override {
