@@ -375,7 +375,7 @@ bool Part::step(double dt, const std::optional<Domain>& domain, bool run_on, Ste
   if (sim_.loads) sim_.loads->before_step(world, dt);
   // the work of a strain uses the forces before and after it: process 0 books the former, for all contacts
   if (world.cell && rank_number() != 0) world.cell->virial.setZero();
-  const RunOn leave{[](const Extent&) { return true; }, true};
+  const RunOn leave{[](const Extent&) { return true; }, had_domain_};
   StageTimer stages(sim_.work.report.seconds);
   epafi::step(world, sim_.pipeline, sim_.work, dt, stages, runs_on ? &leave : nullptr, begun);
   if (sim_.loads) sim_.work.report.work += sim_.loads->after_step(world, dt);

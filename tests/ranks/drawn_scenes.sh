@@ -7,7 +7,7 @@ here=$(dirname "$0") bad=0
 mkdir -p "$folder"
 for seed in "$@"; do
   awk -v seed="$seed" -f "$here/draw_scene.awk" > "$folder/$seed.toml"
-  "$here/same_bits.sh" "$alone" "$shared" "$folder/$seed" "$cases" 900 "$folder/$seed.toml" ||
+  "$here/same_bits.sh" "$alone" "$shared" "$folder/$seed" "$cases" 700 "$folder/$seed.toml" ||
     { echo "FAILED: seed $seed"; bad=1; }
 done
 exit $bad
