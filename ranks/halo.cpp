@@ -9,43 +9,55 @@ namespace epafi {
 
 namespace {
 
-/// Calls f(column) for all columns that a step changes; one element per body.
+/// Calls f(address of a slot's element, bytes) for all columns that a step changes.
 template <class F>
 void each_moving(World& world, bool by_states, const F& f) {
   const bool rotates = world.rotates();
+  const auto column = [&](auto&& all) { f([&](Slot s) { return static_cast<void*>(&all[s]); }, sizeof(all[0])); };
   if (by_states) {
-    f(world.states());
+    BodyState* const states = world.states().data();
+    for (const auto part : {&BodyState::position, &BodyState::velocity, &BodyState::spin, &BodyState::predicted})
+      f([&](Slot s) { return static_cast<void*>(&(states[s].*part)); }, 3 * sizeof(double));  // the fourth is constant
   } else {
-    f(world.position);
-    f(world.velocity);
-    if (rotates) f(world.angular_velocity);
-    if (world.columns().force) f(world.force);
-    if (world.columns().force && rotates) f(world.torque);
+    column(world.position);
+    column(world.velocity);
+    if (rotates) column(world.angular_velocity);
+    if (world.columns().force) column(world.force);
+    if (world.columns().force && rotates) column(world.torque);
   }
-  if (world.columns().periodic) f(world.wraps);
-  if (world.has_orientation()) f(world.orientation);
-  if (rotates && world.columns().anisotropy) f(world.angular_momentum);
+  if (world.columns().periodic) column(world.wraps);
+  if (world.has_orientation()) column(world.orientation);
+  if (rotates && world.columns().anisotropy) column(world.angular_momentum);
+}
+
+/// Asks for the state of a body that is soon read: bodies at a border are far from each other in memory.
+void ask_for(const World& world, const std::vector<Slot>& slots, std::size_t k) {
+  constexpr std::size_t ahead = 8;
+  if (!world.columns().states || k + ahead >= slots.size()) return;
+  const BodyState& soon = world.states()[slots[k + ahead]];
+  __builtin_prefetch(&soon);
+  __builtin_prefetch(&soon.spin);
 }
 
 }  // namespace
 
 std::size_t bytes_of_moving(World& world, bool by_states) {
-  std::size_t bytes = 0;
-  each_moving(world, by_states, [&](auto&& column) { bytes += sizeof(column[0]); });
-  return bytes;
+  std::size_t sum = 0;
+  each_moving(world, by_states, [&](const auto&, std::size_t bytes) { sum += bytes; });
+  return sum;
 }
 
 void write_moving(World& world, bool by_states, Slot s, std::byte* to) {
-  each_moving(world, by_states, [&](auto&& column) {
-    std::memcpy(to, static_cast<const void*>(&column[s]), sizeof(column[0]));
-    to += sizeof(column[0]);
+  each_moving(world, by_states, [&](const auto& address, std::size_t bytes) {
+    std::memcpy(to, address(s), bytes);
+    to += bytes;
   });
 }
 
 void read_moving(const std::byte* from, bool by_states, Slot s, World& world) {
-  each_moving(world, by_states, [&](auto&& column) {
-    std::memcpy(static_cast<void*>(&column[s]), from, sizeof(column[0]));
-    from += sizeof(column[0]);
+  each_moving(world, by_states, [&](const auto& address, std::size_t bytes) {
+    std::memcpy(address(s), from, bytes);
+    from += bytes;
   });
 }
 
@@ -79,7 +91,10 @@ void Halo::set_up(const World& world, std::vector<std::pair<int, Slot>> sends,
 void Halo::begin(World& world, bool by_states) {
   const std::size_t row = bytes_of_moving(world, by_states);
   out_.resize(from_.size() * row);
-  parallel_for(from_.size(), [&](std::size_t k) { write_moving(world, by_states, from_[k], out_.data() + k * row); });
+  parallel_for(from_.size(), [&](std::size_t k) {
+    ask_for(world, from_, k);
+    write_moving(world, by_states, from_[k], out_.data() + k * row);
+  });
   plan_.begin(out_, row, in_);
   bytes_ += static_cast<double>(out_.size());
 }
@@ -87,7 +102,10 @@ void Halo::begin(World& world, bool by_states) {
 void Halo::finish(World& world, bool by_states) {
   const std::size_t row = bytes_of_moving(world, by_states);
   plan_.finish();
-  parallel_for(into_.size(), [&](std::size_t k) { read_moving(in_.data() + k * row, by_states, into_[k], world); });
+  parallel_for(into_.size(), [&](std::size_t k) {
+    ask_for(world, into_, k);
+    read_moving(in_.data() + k * row, by_states, into_[k], world);
+  });
 }
 
 }  // namespace epafi

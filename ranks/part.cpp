@@ -111,11 +111,11 @@ void Part::move(double longest) {
   figures_.moved += 1.0;
 }
 
-void Part::give(Simulation* whole) {
+void Part::give(Simulation* whole, bool goes_on) {
   RankTimer timer(figures_);
   sum_overlaps();
   join_virial();
-  sim_.pipeline.contact_model->publish(sim_.world, sim_.work.contacts);  // springs leave their contacts below
+  if (!goes_on && !told_) told_ = contact_rows();  // springs leave their contacts below
   StateImage image = image_of(walk_of(sim_));
   sum_shares(image);
   exchange_rows(image, routes_home(sim_.world, place_));
@@ -149,26 +149,20 @@ void Part::give_bodies(Simulation* whole) {
   });
 }
 
-/// Rows of the contacts that this rank reports; in_pieces: those that the contact model keeps follow, marked as its
-/// own.
-RowBytes Part::contact_rows(bool in_pieces) {
+/// Rows of the contacts that this rank reports; those that the contact model keeps follow, marked as its own.
+RowBytes Part::contact_rows() const {
   const World& world = sim_.world;
-  ContactSet& set = sim_.work.contacts;
   const ContactModel& model = *sim_.pipeline.contact_model;
-  if (!in_pieces) {
-    sum_overlaps();
-    join_virial();
-    model.publish(world, set);
-  }
   RowBytes rows;
   const auto add = [&](const ContactSet& contacts, bool own) {
     for (std::size_t k = 0; k < contacts.size(); ++k)
       if (tells_of(world, contacts.a[k], contacts.b[k])) append_row(rows, row_of(contacts, k, world, own));
   };
-  add(set, false);
+  add(sim_.work.contacts, false);
   ContactSet pieces;
   pieces.with_curvature = true;
-  for (std::size_t part = 0; in_pieces && part < model.own_parts(); ++part) {
+  pieces.with_moment = sim_.work.contacts.with_moment;
+  for (std::size_t part = 0; part < model.own_parts(); ++part) {
     pieces.clear();
     model.append_contacts(world, part, pieces);
     add(pieces, true);
@@ -197,20 +191,22 @@ struct ContactKey {
 
 }  // namespace
 
-/// Contacts of the model are sorted by the lower of the two keys, at a plane by that of the ball.
-void Part::put_contacts(const RowBytes& rows, World& world, ContactSet& all) const {
+/// Contacts of the model come in pieces, sorted by the lower of the two keys, at a plane by that of the ball; else all
+/// are in canonical order.
+void Part::put_contacts(const RowBytes& rows, bool in_pieces, const World& world, ContactSet& all) const {
   const auto is_plane = [&](Slot s) { return std::isinf(territory_.radius(world.shape[s])); };
   const auto place_of = [&](Slot s, Feature& parts) -> PlaceInModel {
     const bool clump = territory_.is_clump(world.shape[s]);
     const auto part = static_cast<std::uint32_t>(clump ? parts >> 48 & 0xffu : 0u);
     if (clump) parts <<= 8;  // that of the other one is next
-    return {!world.is_movable(s) ? 1 : clump ? 0 : 2, s, part};
+    const bool is_ball = clump || !(world.is_movable(s) || is_plane(s));
+    return {!is_ball ? 2 : world.is_movable(s) ? 0 : 1, s, part};
   };
   std::vector<ContactKey> keys;
   for (std::size_t k = 0; k < rows.size() / sizeof(ContactRow); ++k) {
     const auto row = row_at<ContactRow>(rows, k);
     const Slot a = world.slot_of(static_cast<BodyId>(row.a)), b = world.slot_of(static_cast<BodyId>(row.b));
-    ContactKey key{row.own != 0, {0, a, 0}, {0, b, 0}, row.feature, k};
+    ContactKey key{in_pieces && row.own != 0, {0, a, 0}, {0, b, 0}, row.feature, k};
     if (key.own) {
       Feature parts = row.feature;
       key.first = place_of(a, parts);
@@ -232,14 +228,14 @@ void Part::give_seen(Simulation* whole, ContactView contacts) {
 }
 
 void Part::give_contacts(Simulation* whole, bool in_pieces) {
-  const RowBytes rows = contact_rows(in_pieces);
+  const RowBytes mine = told_ ? RowBytes() : contact_rows(), &rows = told_ ? *told_ : mine;
   RowBytes arrived;
   Plan plan(std::vector<int>(rows.size() / sizeof(ContactRow), 0));
   plan.run(rows, sizeof(ContactRow), arrived);
   figures_.bytes += static_cast<double>(rows.size());
   if (whole) {
     whole->work.contacts.with_moment = sim_.work.contacts.with_moment;
-    put_contacts(arrived, whole->world, whole->work.contacts);
+    put_contacts(arrived, in_pieces, whole->world, whole->work.contacts);
   }
 }
 
@@ -373,12 +369,13 @@ bool Part::step(double dt, const std::optional<Domain>& domain, bool run_on, Ste
   had_domain_ = domain.has_value();
   timer.lap(RankStage::sharing);
   overlaps_.reset();
+  told_.reset();
   virial_is_joined_ = false;
   work_.begin();
   if (sim_.loads) sim_.loads->before_step(world, dt);
   // the work of a strain uses the forces before and after it: process 0 books the former, for all contacts
   if (world.cell && rank_number() != 0) world.cell->virial.setZero();
-  const RunOn leave{[](const Extent&) { return true; }, true};
+  const RunOn leave{[](const Extent&) { return true; }, had_domain_};
   StageTimer stages(sim_.work.report.seconds);
   epafi::step(world, sim_.pipeline, sim_.work, dt, stages, runs_on ? &leave : nullptr, begun);
   if (sim_.loads) sim_.work.report.work += sim_.loads->after_step(world, dt);

@@ -33,8 +33,8 @@ class Part {
 
   /// Distributes the state of the whole, which only rank 0 has, by new cuts.
   void receive(Simulation* whole);
-  /// Gathers the state of all parts in the whole.
-  void give(Simulation* whole);
+  /// Gathers the state of all parts in the whole; goes_on: as RemoteSteps::fetch.
+  void give(Simulation* whole, bool goes_on);
   /// As RemoteSteps::fetch_seen.
   void give_seen(Simulation* whole, ContactView contacts);
   /// Of all parts, at rank 0: as RemoteSteps has them.
@@ -55,8 +55,8 @@ class Part {
   bool has_begun() const { return by_states_ && sim_.is_ahead(); }
   void give_bodies(Simulation* whole);
   void give_contacts(Simulation* whole, bool in_pieces);
-  RowBytes contact_rows(bool in_pieces);
-  void put_contacts(const RowBytes& rows, World& world, ContactSet& all) const;
+  RowBytes contact_rows() const;
+  void put_contacts(const RowBytes& rows, bool in_pieces, const World& world, ContactSet& all) const;
   void note_overlaps();
   void sum_overlaps();
   bool is_sound(const std::optional<Domain>& domain) const;
@@ -127,6 +127,7 @@ class Part {
   Motion motion_;
   double dt_ = 0.0;                        ///< of the last step [s]; 0: there was none
   std::optional<OverlapTotals> overlaps_;  ///< of the last step, once they are summed
+  std::optional<RowBytes> told_;           ///< contacts of the last step, once the model has given its memory away
   bool virial_is_joined_ = true;           ///< the cell has that of the last step, of all contacts
   Joint joint_;
   WorkMeter work_;

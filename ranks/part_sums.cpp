@@ -74,7 +74,7 @@ void Part::take_off_held_pulls() {
   }
 }
 
-/// Virial of all contacts, bitwise equal to that of one process. Call before contacts kept by the model join the set.
+/// Virial of all contacts, bitwise equal to that of one process. Call before springs leave their contacts.
 void Part::join_virial() {
   World& world = sim_.world;
   if (!world.cell || std::exchange(virial_is_joined_, true)) return;
@@ -91,7 +91,7 @@ void Part::join_virial() {
   world.cell->virial = virial;
 }
 
-/// Sums of overlaps. Call before contacts kept by the model join the set.
+/// Sums of overlaps. Call before springs leave their contacts.
 void Part::sum_overlaps() {
   if (overlaps_) return;
   const World& world = sim_.world;

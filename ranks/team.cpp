@@ -27,10 +27,10 @@ class Leader final : public RemoteSteps {
     tell({.task = Task::receive});
     part_.receive(&whole);
   }
-  void fetch(Simulation& whole) override {
+  void fetch(Simulation& whole, bool goes_on) override {
     const Busy busy(busy_);
-    tell({.task = Task::give});
-    part_.give(&whole);
+    tell({.task = Task::give, .run_on = goes_on});
+    part_.give(&whole, goes_on);
   }
   /// Once in a step, unless more contacts are wanted than came first.
   void fetch_seen(Simulation& whole, ContactView contacts) override {
@@ -114,7 +114,7 @@ RankTeam::Followed obey(Part& part) {
         part.receive(nullptr);
         break;
       case Task::give:
-        part.give(nullptr);
+        part.give(nullptr, order.run_on);
         break;
       case Task::give_seen:
         part.give_seen(nullptr, order.contacts);

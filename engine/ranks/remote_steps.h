@@ -49,8 +49,8 @@ class RemoteSteps {
   virtual ~RemoteSteps() = default;
   /// Sends the state of the simulation to the processes.
   virtual void send(Simulation& whole) = 0;
-  /// Gathers their state in the simulation.
-  virtual void fetch(Simulation& whole) = 0;
+  /// Gathers their state in the simulation. goes_on: a step comes next, and nothing reads the contacts of the last one.
+  virtual void fetch(Simulation& whole, bool goes_on) = 0;
   /// What a step changes of bodies comes into the simulation, and into its workspace the contacts of the last step that
   /// observers want: pieces in the order of ContactPieces, all in canonical order. Whatever else it knows may be of an
   /// earlier step.

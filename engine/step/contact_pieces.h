@@ -24,8 +24,8 @@ class ContactPieces {
     return is_own(piece) ? model_->own_count(piece - known_) : std::nullopt;
   }
 
-  /// Calls f(contacts, begin, end) for a piece, with a, b, gap and, if known, force. Points of one pair are
-  /// consecutive, but a pair may extend over two pieces. Thread-safe.
+  /// Calls f(contacts, begin, end) for a piece, with a, b, gap and, if known, force. Points of one pair need not be
+  /// consecutive: those of clumps stand by their balls, and a pair may extend over two pieces. Thread-safe.
   template <class F>
   void read_gaps(std::size_t piece, const F& f) const {
     read_by(piece, &ContactModel::append_gaps, f);

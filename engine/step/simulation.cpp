@@ -183,7 +183,7 @@ std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on, 
 /// Gathers the state only if something needs it here.
 std::optional<Failure> Simulation::make_remote_step(double dt, bool sort, bool run_on, StageTimer& timer) {
   if (sort || !leaving_.empty() || !away_.rest || dt != away_.dt) {
-    gather_state();
+    if (!std::exchange(away_.home, true)) remote->fetch(*this, true);
     away_.sent = false;
     prepare(dt, sort);
   }
@@ -209,7 +209,7 @@ std::optional<Failure> Simulation::make_remote_step(double dt, bool sort, bool r
 }
 
 void Simulation::gather_state() {
-  if (!std::exchange(away_.home, true)) remote->fetch(*this);
+  if (!std::exchange(away_.home, true)) remote->fetch(*this, false);
 }
 
 /// Bodies from slot `before` on have entered: their energy is work done on the scene.

@@ -244,11 +244,11 @@ class Sharing final : public RemoteSteps {
     order(0);
     part_.receive(&whole);
   }
-  void fetch(Simulation& whole) override {
+  void fetch(Simulation& whole, bool goes_on) override {
     ++fetched_;
     CHECK_FALSE(is_ahead());
-    order(1);
-    part_.give(&whole);
+    order(goes_on ? 11 : 1);
+    part_.give(&whole, goes_on);
   }
   void fetch_seen(Simulation& whole, ContactView contacts) override {
     order(contacts == ContactView::all ? 5 : contacts == ContactView::pieces ? 2 : 10);
@@ -278,7 +278,7 @@ class Sharing final : public RemoteSteps {
     for (int what = 0; what != 9;) {
       broadcast(&what, sizeof what);
       if (what == 0) part.receive(nullptr);
-      if (what == 1) part.give(nullptr);
+      if (what == 1 || what == 11) part.give(nullptr, what == 11);
       if (what == 5) part.give_seen(nullptr, ContactView::all);
       if (what == 2) part.give_seen(nullptr, ContactView::pieces);
       if (what == 10) part.give_seen(nullptr, ContactView::none);

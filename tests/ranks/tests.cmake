@@ -50,6 +50,9 @@ epafi_same_bits(balls "3x1" 60 ${library}/simbenchmark/balls_666.toml)
 epafi_same_bits(impulses "1x2 3x1 4x1" 160 tests/ranks/impulses.toml)
 epafi_same_bits(hard_acts "1x2 3x1" 1000 tests/ranks/acts.toml contact.method=nonsmooth)
 epafi_same_bits(arch_acts "3x1" 400 ${library}/stages/tilted_arch.toml)
+add_test(NAME "ranks: drawn scenes" COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/ranks/drawn_scenes.sh $<TARGET_FILE:epafi>
+  $<TARGET_FILE:epafi-mpi> ${PROJECT_BINARY_DIR}/ranks/drawn_scenes "2x1 3x1" 2 15)
+set_tests_properties("ranks: drawn scenes" PROPERTIES LABELS "fast;ranks" TIMEOUT 300 PROCESSORS 2)
 add_test(NAME "ranks: faults" COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/ranks/faults.sh $<TARGET_FILE:epafi>
   $<TARGET_FILE:epafi-mpi> ${PROJECT_BINARY_DIR}/ranks/faults ${PROJECT_SOURCE_DIR}/scenes/library/bed/bed.toml
   ${PROJECT_SOURCE_DIR}/tests/ranks/impulses.toml)

@@ -13,21 +13,26 @@ using namespace epafi;
 namespace {
 
 /// Random points of random pairs, some apart, some apart with a force, some of bodies that are fixed; the first third
-/// with forces, the others gaps alone, as where a model shows contacts of its own.
+/// with forces, the others gaps alone, as where a model shows contacts of its own. In any order, as balls of clumps
+/// come.
 ContactSet random_contacts(std::uint64_t seed, Slot bodies, std::size_t pairs) {
   Random random(seed, 1);
   ContactSet c;
-  std::set<std::pair<Slot, Slot>> known;  // the points of a pair stand behind each other
   for (std::size_t p = 0; p < pairs; ++p) {
     const auto a = static_cast<Slot>(random.uniform() * (bodies - 1));
     const auto b = a + 1 + static_cast<Slot>(random.uniform() * std::min<double>(30, bodies - a - 1));
-    if (!known.insert({a, b}).second) continue;
     for (double points = random.uniform(0, 3); points > 0; points -= 1) {
       c.a.push_back(a);
       c.b.push_back(b);
       c.gap.push_back(random.uniform(-1, 0.5));
       if (3 * p < pairs) c.force.push_back(random.uniform() < 0.3 ? Vec3(0, 0, 1) : Vec3(0, 0, 0));
     }
+  }
+  for (std::size_t k = 0; k < c.size(); ++k) {
+    const auto other = static_cast<std::size_t>(random.uniform() * static_cast<double>(c.size()));
+    std::swap(c.a[k], c.a[other]);
+    std::swap(c.b[k], c.b[other]);
+    std::swap(c.gap[k], c.gap[other]);
   }
   return c;
 }

@@ -52,32 +52,38 @@ void ContactMeasure::sample(const StepView& view, std::vector<double>& values) {
 
 namespace {
 
-/// Neighbours in contact, each once: those of body s are list[begin[s]] to list[begin[s + 1]].
+/// Neighbours in contact: those of a free body s are list[begin[s]] to list[end[s]], each once, whatever the order of
+/// its contacts (two clumps may touch by many balls).
 struct Neighbours {
-  UnwrittenColumn<std::uint32_t> begin;
+  UnwrittenColumn<std::uint32_t> begin, end;
   UnwrittenColumn<Slot> list;
-  void find(std::size_t bodies, const ContactPieces& contacts) {
+  void find(const World& world, const ContactPieces& contacts) {
     const auto acts = [](const ContactSet& c, std::size_t k) {
       return c.gap[k] < 0 || (k < c.force.size() && c.force[k].squaredNorm() > 0);
     };
-    const auto is_first = [&](const ContactSet& c, std::size_t k) {  // of its pair
-      for (std::size_t j = k; j-- > 0 && c.a[j] == c.a[k] && c.b[j] == c.b[k];)
-        if (acts(c, j)) return false;
-      return true;
-    };
     const auto each = [&](std::size_t first, std::size_t last, const auto& f) {
+      const auto note = [&](const ContactSet& c, std::size_t from, std::size_t to) {
+        for (std::size_t k = from; k < to; ++k)
+          if (acts(c, k)) {
+            f(c.a[k], c.b[k]);
+            f(c.b[k], c.a[k]);
+          }
+      };
       for (std::size_t piece = first; piece < last; ++piece)
-        contacts.read_gaps(piece, [&](const ContactSet& c, std::size_t from, std::size_t to) {
-          for (std::size_t k = from; k < to; ++k)
-            if (acts(c, k) && is_first(c, k)) {
-              f(c.a[k], c.b[k]);
-              f(c.b[k], c.a[k]);
-            }
-        });
+        if (contacts.is_own(piece) && !contacts.all_touching(piece))
+          contacts.read(piece, note);  // adhesion acts across gaps
+        else
+          contacts.read_gaps(piece, note);
     };
     parallel_group(
-        contacts.size(), bodies, begin, each, [&](std::size_t count) { list.resize(count); },
+        contacts.size(), world.size(), begin, each, [&](std::size_t count) { list.resize(count); },
         [&](std::uint32_t place, Slot other) { list[place] = other; }, 4);
+    end.resize(world.size());
+    parallel_for(world.size(), [&](std::size_t s) {
+      const auto first = list.begin() + begin[s], last = list.begin() + begin[s + 1];
+      if (world.is_movable(static_cast<Slot>(s))) std::sort(first, last);
+      end[s] = static_cast<std::uint32_t>(std::unique(first, last) - list.begin());
+    });
   }
 };
 
@@ -130,7 +136,7 @@ class Rattlers {
       const Slot s = mine.leaving.back();
       mine.leaving.pop_back();
       degree_[s] = gone;
-      for (std::uint32_t k = touched_.begin[s]; k < touched_.begin[s + 1]; ++k) {
+      for (std::uint32_t k = touched_.begin[s]; k < touched_.end[s]; ++k) {
         const Slot other = touched_.list[k];
         if (other >= begin && other < end)
           lose_one(mine, other);
@@ -171,11 +177,11 @@ void Coordination::sample(const StepView& view, std::vector<double>& values) {
   thread_local UnwrittenColumn<int> kept_degree;
   Neighbours& touched = kept;  // of the caller
   UnwrittenColumn<int>& degree = kept_degree;
-  touched.find(w.size(), view.pieces());
+  touched.find(w, view.pieces());
   degree.resize(w.size());
   parallel_for(w.size(), [&](std::size_t s) {
     const bool is_body = w.is_movable(static_cast<Slot>(s));
-    degree[s] = is_body ? static_cast<int>(touched.begin[s + 1] - touched.begin[s]) : gone;
+    degree[s] = is_body ? static_cast<int>(touched.end[s] - touched.begin[s]) : gone;
   });
   const Sum3 all = count_left(degree);
   const Rattlers taken(touched, least_, degree);

@@ -1,5 +1,6 @@
 #include "laws/smooth/fused/fused_spheres.h"
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -48,6 +49,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     inverse_half_margin_ = list.inverse_half_margin;
     tells_forces_ = list.others || inverse_half_margin_.empty();
     blocks_.rebuild(world, list);
+    find_owners(world);
     if (!radius_.empty()) find_materials(world);
   }
 
@@ -156,6 +158,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       const NamedContact n = all.named(c, load);
       contacts.append(n.a, n.b, n.point);
       contacts.force.push_back(n.on_a.force);
+      if (contacts.with_moment) contacts.moment.push_back(n.on_a.moment);
     }
   }
   void add_virial(const World& world, Virial& virial) const override {
@@ -259,6 +262,22 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     if (several && !balls.empty()) blocks_.balls().by_place(world.material, material_);
   }
 
+  /// By place, and the blocks that have contacts of this process alone.
+  void find_owners(const World& world) {
+    if (world.owner.empty()) return;
+    blocks_.balls().by_place(world.owner, owner_);
+    counts_all_.resize(blocks_.blocks().size());
+    parallel_for(
+        counts_all_.size(),
+        [&](std::size_t i) {
+          const auto at = owner_.begin();
+          const auto first = static_cast<std::ptrdiff_t>(blocks_.begin_of(i)),
+                     last = static_cast<std::ptrdiff_t>(blocks_.end_of(i));
+          counts_all_[i] = std::all_of(at + first, at + last, [](std::uint8_t o) { return o == World::here; }) ? 1 : 0;
+        },
+        1);
+  }
+
   /// Of all bodies in this step.
   Extent seen() const {
     Extent all;
@@ -268,15 +287,9 @@ class FusedModel final : public FusedSpheres, public SharedModel {
 
   /// What every block reads and writes; its own sums and moments come on top.
   SphereArrays arrays_of(const World& world, const StepClock& clock, bool tells_energy) {
-    SphereArrays arrays{blocks_.planes().data(),
-                        all_states(world),
-                        0,
-                        clock.dt,
-                        lag(clock),
-                        lag(clock) > 0.0 ? ratio_.next(clock.dt) : 1.0,
-                        law_.damped,
-                        tells_energy};
-    if (!world.owner.empty()) blocks_.balls().by_place(world.owner, owner_);
+    const double late = lag(clock), ratio = late > 0.0 ? ratio_.next(clock.dt) : 1.0;
+    SphereArrays arrays{
+        blocks_.planes().data(), all_states(world), 0, clock.dt, late, ratio, law_.damped, tells_energy};
     arrays.owner = world.owner.empty() ? nullptr : owner_.data();
     arrays.passes = &passes_;
     if (law_.needs.damps_slip()) arrays.rolling = sphere_rolling();
@@ -312,9 +325,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       blocks_.clear_accumulator(accumulator);
       SphereArrays mine = arrays;
       const std::size_t first = blocks_.begin_of(i);
-      const auto count = static_cast<std::ptrdiff_t>(blocks_.end_of(i) - first);
-      if (mine.owner != nullptr && std::count(&owner_[first], &owner_[first] + count, World::here) == count)
-        mine.owner = nullptr;  // so it counts all
+      if (mine.owner != nullptr && counts_all_[i] != 0) mine.owner = nullptr;
       mine.sums = reinterpret_cast<std::uintptr_t>(blocks_.sums(accumulator)) - first * sizeof(SphereSum);
       mine.nowhere = SpherePlace(static_cast<Slot>(first + blocks_.block_size()));
       mine.moments = reinterpret_cast<std::uintptr_t>(blocks_.moments(accumulator)) - first * sizeof(Lanes);
@@ -473,7 +484,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   double reach_, dt_ = 0.0, lag_ = 0.0;
   std::uint32_t own_ = 0;                ///< material of all spheres; as many as there are: several
   std::vector<std::uint16_t> material_;  ///< by place, where there are balls of several; else that of the world
-  std::vector<std::uint8_t> owner_;      ///< by place, where several processes share the bodies
+  std::vector<std::uint8_t> owner_, counts_all_;  ///< by place, by block; where several processes share the bodies
   std::unique_ptr<ContactModel> generic_;
   bool others_ = false;
   bool predicted_ = false;                          ///< the states say how fast the bodies are at the detection
