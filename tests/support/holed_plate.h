@@ -22,7 +22,8 @@ inline HoledPlate random_holed_plate(Random& random, const Vec3& half) {
   const double turn = random.uniform(0, 2 * testing::pi), width = random.uniform(0.2, 0.6);
   std::vector<Vec3> outer, inner;
   for (std::size_t k = 0; k < n; ++k) {
-    const double angle = turn + 2 * testing::pi * (static_cast<double>(k) + random.uniform(-0.15, 0.15)) / n;
+    const double angle =
+        turn + 2 * testing::pi * (static_cast<double>(k) + random.uniform(-0.15, 0.15)) / static_cast<double>(n);
     outer.push_back(Vec3(std::cos(angle), std::sin(angle), 0).cwiseProduct(half));
     inner.push_back(width * random.uniform(0.9, 1.1) * outer.back());
   }

@@ -11,7 +11,7 @@ namespace epafi {
 namespace {
 
 constexpr double not_rising = 1e-9;  // [rad] far below what a normal can feel, far above rounding
-constexpr double blunt = 1e-6;       // [rad] an edge that bends less does not end a rim
+constexpr double blunt = 1e-4;       // [rad] an edge that bends less does not end a rim
 constexpr double same_distance = 1e-9, half_turn = 3.14159265358979323846;
 
 /// The triangles around a place, gathered to a region: the first in any case, rounded slivers lie around notches.
@@ -197,7 +197,7 @@ double solid_beyond(const PlacedCore& body, bool front, const Vec3& from, const 
     if (lies_on(mesh, t, from, body.tolerance)) {
       behind = behind || rise < -blunt;
       outside = outside || rise > blunt;
-    } else if (stands_between(mesh, t, from, to, 0.0)) {
+    } else if (std::abs(rise) > blunt && stands_between(mesh, t, from, to, body.tolerance)) {
       length = std::min(length, std::abs(height / rise));
     }
   }
