@@ -65,4 +65,15 @@ auto find_loop() {
   return best_loop<BlockTask<remembers>, FindCall>();
 }
 
+/// Of several processes: owners by place, and the blocks whose contacts all count here.
+inline void find_owners(const World& world, const SphereBlocks& blocks, std::vector<std::uint8_t>& owner,
+                        std::vector<std::uint8_t>& counts_all) {
+  if (world.owner.empty()) return;
+  blocks.balls().by_place(world.owner, owner);
+  counts_all.assign(blocks.blocks().size(), 1);
+  for (std::size_t i = 0; i < counts_all.size(); ++i)
+    for (std::size_t k = blocks.begin_of(i); k < blocks.end_of(i); ++k)
+      if (owner[k] != World::here) counts_all[i] = 0;
+}
+
 }  // namespace epafi

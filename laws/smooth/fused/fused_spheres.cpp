@@ -1,6 +1,5 @@
 #include "laws/smooth/fused/fused_spheres.h"
 
-#include <algorithm>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -49,7 +48,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     inverse_half_margin_ = list.inverse_half_margin;
     tells_forces_ = list.others || inverse_half_margin_.empty();
     blocks_.rebuild(world, list);
-    find_owners(world);
+    find_owners(world, blocks_, owner_, counts_all_);
     if (!radius_.empty()) find_materials(world);
   }
 
@@ -260,22 +259,6 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     if (several) own_ = law_.materials;
     material_.clear();
     if (several && !balls.empty()) blocks_.balls().by_place(world.material, material_);
-  }
-
-  /// By place, and the blocks that have contacts of this process alone.
-  void find_owners(const World& world) {
-    if (world.owner.empty()) return;
-    blocks_.balls().by_place(world.owner, owner_);
-    counts_all_.resize(blocks_.blocks().size());
-    parallel_for(
-        counts_all_.size(),
-        [&](std::size_t i) {
-          const auto at = owner_.begin();
-          const auto first = static_cast<std::ptrdiff_t>(blocks_.begin_of(i)),
-                     last = static_cast<std::ptrdiff_t>(blocks_.end_of(i));
-          counts_all_[i] = std::all_of(at + first, at + last, [](std::uint8_t o) { return o == World::here; }) ? 1 : 0;
-        },
-        1);
   }
 
   /// Of all bodies in this step.
