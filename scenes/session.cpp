@@ -488,7 +488,9 @@ RunSummary Session::summary() const {
     s.unconverged_steps = monitor_->not_converged();
   }
   for (const auto* r : recorders_) s.measures[r->name()] = r->summary();
-  for (const auto& c : monitor_->checks()) s.checks[c.name] = {c.value, c.bound, c.ok};
+  const auto reached = monitor_->reached();  // it ended the run as asked
+  for (const auto& c : monitor_->checks())
+    s.checks[c.name] = {c.value, c.bound, c.ok || (reached && reached->name == c.name)};
   for (const auto& c : monitor_->accuracy()) s.accuracy[c.name] = {c.value, c.bound, c.ok};
   s.peak_memory_bytes = peak_memory();
   s.state_hash = state_hash(sim.world);

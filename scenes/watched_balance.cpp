@@ -18,6 +18,13 @@ constexpr double widest_band =
 constexpr double passing = 40;
 constexpr double noise_per_residual =
     1e3;  // velocity errors of a stack of 30 are 30 times those that the residual suggests
+
+/// What the ledger adds to the stored energies in its reference [J] (EnergyLedger::relative).
+double beside_stored(const StepView& view) {
+  const Energy& now = view.ledger.last();
+  const double fall = view.report.has_solver ? view.world.gravity.norm() * view.dt : 0.0;
+  return std::min(std::abs(now.work), now.dissipated) + 0.5 * view.totals().mass.value() * fall * fall;
+}
 }  // namespace
 
 void WatchedBalance::Swings::follow(double value, double band) {
@@ -64,7 +71,8 @@ double WatchedBalance::reference(const StepView& view) {
   state_.inner = std::max(state_.inner, now.kinetic + now.elastic);
   state_.potential = now.potential;
   state_.bodies = bodies;
-  return state_.inner + (state_.highest - state_.lowest);
+  const double steps = static_cast<double>(view.step), epsilon = std::numeric_limits<double>::epsilon();
+  return state_.inner + (state_.highest - state_.lowest) + 100.0 * steps * epsilon * std::abs(now.potential);
 }
 
 void WatchedBalance::look(const StepView& view) {
@@ -99,14 +107,16 @@ void WatchedBalance::judge(const StepView& view, double known) {
   f.gained = state_.unexplained.risen() + f.put_in;
   f.lost = state_.unexplained.fallen();
   const double net = view.ledger.relative_error(), unexplained = view.ledger.unexplained_error();
+  const double given = known + beside_stored(view);  // what the ledger's errors are relative to
   double exchanged = 0.0;
   const auto measure = [&](double noise) {
-    const double least = std::numeric_limits<double>::min(), all = std::max(known + noise, least);
-    exchanged = all + state_.put_in.fallen();
-    f.net = net * known / all;
+    const double least = std::numeric_limits<double>::min(), all = std::max(given + noise, least);
+    const double stored = std::max(known + noise, least);
+    exchanged = stored + state_.put_in.fallen();
+    f.net = net * given / all;
     // in long runs a bookkeeping error of one percent of the dissipation can exceed the stored energy
-    const double open = std::abs(unexplained) * known, of_all = open / exchanged;
-    f.wide = std::max(of_all > booked_share ? open / all : of_all, f.put_in / exchanged);
+    const double open = std::abs(unexplained) * given, of_all = open / exchanged;
+    f.wide = std::max(of_all > booked_share ? open / stored : of_all, f.put_in / exchanged);
     f.share = std::max({std::abs(f.net), f.gained / exchanged, f.lost / exchanged});
     if (!std::isfinite(net)) f.share = f.wide = std::abs(net);
   };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engine/threads/parallel.h"
 
@@ -58,6 +59,8 @@ void EnergyLedger::add(const StepReport& report, double fall) {
   now_.losses += report.losses;
   now_.work += report.work;
   now_.correction += report.correction;
+  // heights are known to rounding: bodies at rest far from the origin are at rest
+  highest_potential_ += 100.0 * std::numeric_limits<double>::epsilon() * std::abs(now_.potential);
 }
 
 void EnergyLedger::accept_jump(const World& world, double stored_before) {
@@ -97,7 +100,10 @@ double EnergyLedger::error() const {
 }
 
 double EnergyLedger::relative(double error) const {
-  const double reference = largest_inner_ + (highest_potential_ - lowest_potential_);
+  // passed through: given by driven bodies and sources, taken by contacts; what contacts alone take they could have
+  // made
+  const double passed = std::min(std::abs(now_.work), now_.dissipated), fallen = 0.5 * mass_ * fall_ * fall_;
+  const double reference = largest_inner_ + (highest_potential_ - lowest_potential_) + passed + fallen;
   // differences of large terms contain rounding: a body at rest at a large height has no energy error
   const double rounding =
       1e-14 * (std::abs(now_.potential) + std::abs(start_) + now_.kinetic + std::abs(now_.elastic) + now_.dissipated);

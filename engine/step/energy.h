@@ -1,10 +1,11 @@
 /// @file energy.h  The energy ledger: stored, dissipated and supplied energy. Its error is checked in every run.
 /// relative_error = (E(t) - E(0) + dissipated - work) / E_ref, E_ref = max over time of kinetic + |elastic|, plus the
-/// spread of the potential energy; elastic is negative where adhesion holds bodies. Potential energy: of constant
-/// gravity and external forces. Energy from position correction is part of the error and is also reported separately.
-/// `gained` is the energy that contacts created: the largest drop of `taken` below its earlier maximum. No term
-/// balances it, so it stays in the error. Work of dashpots is booked by the velocity in the middle of the step and
-/// corrected in the next steps; such a correction is no gain. Sums over bodies do not depend on the order.
+/// spread of the potential energy, min(|work|, dissipated) and a step of free fall (energy.cpp); elastic is negative
+/// where adhesion holds bodies. Potential energy: of constant gravity and external forces. Energy from position
+/// correction is part of the error and is also reported separately. `gained` is the energy that contacts created: the
+/// largest drop of `taken` below its earlier maximum. No term balances it, so it stays in the error. Work of dashpots
+/// is booked by the velocity in the middle of the step and corrected in the next steps; such a correction is no gain.
+/// Sums over bodies do not depend on the order.
 #pragma once
 #include "engine/state/state_visitor.h"
 #include "engine/state/world.h"

@@ -80,11 +80,13 @@ std::string patch_table(const std::vector<PatchResult>& results) {
       fmt::format("{:<16}{:<20}{:>12}{:>11}{:>11}{:>10}{:>13}{:>13}{:>8}{:>9}{:>9}  {}\n", "normal", "tangential",
                   "N [N]", "delta [m]", "p0 [Pa]", "area [m2]", "Fx [N]", "Fy [N]", "stick", "ms", "error", "valid");
   for (const auto& r : results) {
-    out += fmt::format("{:<16}{:<20}{:>12.5g}{:>11.4g}{:>11.4g}{:>10.3g}", r.normal, r.friction ? r.tangential : "-",
-                       r.normal_force, r.approach, r.max_pressure, r.area);
-    out += r.friction ? fmt::format("{:>13.5g}{:>13.5g}{:>8}", r.force.fx, r.force.fy,
-                                    r.stick_share >= 0.0 ? fmt::format("{:.3f}", r.stick_share) : "-")
-                      : fmt::format("{:>13}{:>13}{:>8}", "-", "-", "-");
+    out += fmt::format("{:<16}{:<20}", r.normal, r.friction ? r.tangential : "-");
+    out += r.solved()
+               ? fmt::format("{:>12.5g}{:>11.4g}{:>11.4g}{:>10.3g}", r.normal_force, r.approach, r.max_pressure, r.area)
+               : fmt::format("{:>12}{:>11}{:>11}{:>10}", "-", "-", "-", "-");
+    out += r.friction && r.solved() ? fmt::format("{:>13.5g}{:>13.5g}{:>8}", r.force.fx, r.force.fy,
+                                                  r.stick_share >= 0.0 ? fmt::format("{:.3f}", r.stick_share) : "-")
+                                    : fmt::format("{:>13}{:>13}{:>8}", "-", "-", "-");
     out += fmt::format("{:>9.3g}{:>9.1e}  {}\n", r.milliseconds, r.error_estimate, r.reasons.empty() ? "yes" : "NO");
     for (const auto& reason : r.reasons) out += "                  " + reason + "\n";
   }
@@ -98,11 +100,13 @@ std::string patch_csv(const std::vector<PatchResult>& results, bool units) {
             : "normal,tangential,normal_force,approach,max_pressure,area,fx,fy,mz,"
               "stick_share,wear_number,milliseconds,error_estimate,valid,reasons\n";
   for (const PatchResult& r : results) {
-    out += fmt::format("{},{},{:.6g},{:.6g},{:.6g},{:.6g},", r.normal, r.friction ? r.tangential : "", r.normal_force,
-                       r.approach, r.max_pressure, r.area);
-    out += r.friction ? fmt::format("{:.6g},{:.6g},{:.6g},", r.force.fx, r.force.fy, r.force.mz) : ",,,";
-    out += r.friction && r.stick_share >= 0.0 ? fmt::format("{:.4g},", r.stick_share) : ",";
-    out += r.friction ? fmt::format("{:.6g},", r.wear_number) : ",";
+    out += fmt::format("{},{},", r.normal, r.friction ? r.tangential : "");
+    out += r.solved() ? fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},", r.normal_force, r.approach, r.max_pressure, r.area)
+                      : ",,,,";
+    const bool friction = r.friction && r.solved();
+    out += friction ? fmt::format("{:.6g},{:.6g},{:.6g},", r.force.fx, r.force.fy, r.force.mz) : ",,,";
+    out += friction && r.stick_share >= 0.0 ? fmt::format("{:.4g},", r.stick_share) : ",";
+    out += friction ? fmt::format("{:.6g},", r.wear_number) : ",";
     std::string reasons;
     for (const std::string& text : r.reasons) reasons += (reasons.empty() ? "" : "; ") + text;
     std::replace(reasons.begin(), reasons.end(), '"', '\'');

@@ -232,6 +232,23 @@ std::string outlier_remark(const ProfilePoints& p) {
                      p.y[where], worst);
 }
 
+std::string hole_remark(const ProfilePoints& p) {
+  constexpr double wide = 5.0, jump = 3.0;  // over the median, and over a neighbour: points that thin out are no hole
+  if (p.y.size() < 8) return "";
+  const double middle = middle_step(p);
+  const auto step = [&](std::size_t k) { return p.y[k + 1] - p.y[k]; };
+  std::size_t worst = 0;
+  for (std::size_t k = 1; k + 2 < p.y.size(); ++k)
+    if (step(k) > wide * middle && step(k) > jump * std::min(step(k - 1), step(k + 1)) &&
+        (worst == 0 || step(k) > step(worst)))
+      worst = k;
+  if (worst == 0) return "";
+  return fmt::format(
+      "no points from y = {:.6g} to {:.6g} m: {:.3g} m wide, {:.2g} times the middle spacing; a curve is drawn through "
+      "the hole",
+      p.y[worst], p.y[worst + 1], step(worst), step(worst) / middle);
+}
+
 std::string smoothing_remark(const ProfilePoints& p, double smoothing) {
   constexpr double share = 1e-3;  // of the width: 1 % of the peak pressure of S1002 on 60E1
   const double noise = noise_of(p);

@@ -28,6 +28,8 @@ double noise_of(const ProfilePoints& points);
 std::string noise_remark(const ProfilePoints& points, double smoothing);
 /// An outlier that would bend a spline through it; empty if there is none.
 std::string outlier_remark(const ProfilePoints& points);
+/// The widest hole between points inside the profile; empty if there is none.
+std::string hole_remark(const ProfilePoints& points);
 /// A smoothing beyond the scatter of the points; else empty.
 std::string smoothing_remark(const ProfilePoints& points, double smoothing);
 /// Points that are narrow beside the wheel's radius or the gauge [m] as none are; empty else.

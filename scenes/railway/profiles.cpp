@@ -40,8 +40,8 @@ Built<ProfilePoints> points_of(const Parameters& p, bool is_wheel, const std::st
   Built<ProfilePoints> out{std::move(file.points)};
   for (const std::string& text : remarks.doubts) out.doubts.push_back(label + ": " + text);
   const double smoothing = p.number_or("smoothing", 0.0);
-  for (const std::string& text :
-       {noise_remark(*out.value, smoothing), outlier_remark(*out.value), smoothing_remark(*out.value, smoothing)})
+  for (const std::string& text : {noise_remark(*out.value, smoothing), outlier_remark(*out.value),
+                                  hole_remark(*out.value), smoothing_remark(*out.value, smoothing)})
     if (!text.empty()) out.doubts.push_back(label + ": " + text);
   return out;
 }

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "engine/threads/all_places.h"
 #include "engine/units/error.h"
@@ -72,6 +73,8 @@ std::string status_of(int wait_status) {
       return "bound_violated";
     case 2:
       return "wrong_scene";
+    case 3:
+      return "file_error";
     case 4:
       return "failed";
     case 75:
@@ -96,9 +99,12 @@ CaseResult collect(const Case& wanted, int wait_status) {
   result.status = status_of(wait_status);
   if (!result.completed()) {
     result.trouble = last_line(wanted.folder / "log.txt");
+    if (result.status == "file_error" && result.trouble.empty())  // nor the log, it seems
+      result.trouble = "epafi: " + wanted.folder.string() + ": cannot write (is the disk full?)";
     if (WIFSIGNALED(wait_status)) result.trouble += fmt::format(" (signal {})", WTERMSIG(wait_status));
   }
-  if (fs::exists(wanted.folder / "summary.json")) result.summary = read_json(wanted.folder / "summary.json");
+  if (result.status != "file_error" && fs::exists(wanted.folder / "summary.json"))
+    result.summary = read_json(wanted.folder / "summary.json");
   return result;
 }
 
@@ -117,11 +123,13 @@ bool run_cases(const std::string& scene, const std::vector<Case>& cases, const C
   std::map<pid_t, std::size_t> running;
   std::size_t next = 0;  // cases.size() where no other is to begin
   bool whole = true;
+  std::string refused;  // what a case could not read or write
+  const auto end_all = [&] {
+    if (!std::exchange(whole, false)) return;
+    for (const auto& [child, index] : running) kill(child, SIGTERM);
+  };
   while (next < cases.size() || !running.empty()) {
-    if (whole && SignalWatch::received() != 0) {
-      whole = false;
-      for (const auto& [child, index] : running) kill(child, SIGTERM);
-    }
+    if (SignalWatch::received() != 0) end_all();
     if (limits.until && std::chrono::steady_clock::now() >= *limits.until) next = cases.size();
     while (whole && next < cases.size() && running.size() < static_cast<std::size_t>(std::max(1, jobs))) {
       running.emplace(start(scene, cases[next], limits), next);
@@ -133,11 +141,18 @@ bool run_cases(const std::string& scene, const std::vector<Case>& cases, const C
     if (child < 0) continue;  // interrupted: look at the signal, then wait for the children to save themselves
     const auto at = running.find(child);
     if (at == running.end()) continue;
-    const CaseResult result = collect(cases[at->second], status);
-    whole = whole && result.status != "interrupted";
-    done(at->second, result);
+    const std::size_t index = at->second;
     running.erase(at);
+    const CaseResult result = collect(cases[index], status);
+    if (result.status == "file_error") {
+      if (refused.empty()) refused = result.trouble.substr(result.trouble.starts_with("epafi: ") ? 7 : 0);
+      end_all();
+      continue;
+    }
+    whole = whole && result.status != "interrupted";
+    done(index, result);
   }
+  if (!refused.empty()) throw FileError(refused);
   return whole && SignalWatch::received() == 0;  // also one that came with the end of the last case
 }
 

@@ -269,7 +269,7 @@ TEST_CASE("one point off a profile, too much smoothing and inches for millimetre
     CHECK_THAT(outlier_remark(one), Catch::Contains(fmt::format("the point at y = {:.6g} m", wheel.y[k])));
   }
   for (const ProfilePoints& sound : {wheel, rail, canted_rail(rail, 0.025), *built_in_profile("60e1")})
-    CHECK(outlier_remark(sound) == "");
+    CHECK(outlier_remark(sound) + hole_remark(sound) == "");
   CHECK_THAT(doubts_of(wheel, ", smoothing = \"1 mm\""), Catch::Contains("the curve leaves the profile"));
   CHECK_THAT(doubts_of(changed(wheel, 1 / 25.4, 0.0, 1 / 25.4), ""), Catch::Contains("is the unit"));
   const PointsFile radii([&] {
@@ -280,4 +280,27 @@ TEST_CASE("one point off a profile, too much smoothing and inches for millimetre
   const PatchReading r = reading_of(wheel_and_rail(radii.path(), "uic60"), "load = 60e3\n");
   CHECK_FALSE(r.patch);
   CHECK_THAT(all_problems(r), Catch::Contains("subtract 0.46 m"));
+}
+
+TEST_CASE("points that are missing within a profile are told with place and width", "[scenes][wheel_rail]") {
+  std::mt19937 random(7);
+  const auto in = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  const std::vector<ProfilePoints> profiles{*built_in_profile("s1002"), *built_in_profile("uic60")};
+  for (int draw = 0; draw < 60; ++draw) {
+    const Profile curve(profiles[draw % 2]);
+    const double step = in(0.3e-3, 1.2e-3), from = in(-0.025, 0.0), width = in(6.5, 25.0) * step;
+    ProfilePoints dense, holed;
+    for (double y = -0.03; y < 0.03; y += in(0.7, 1.3) * step) {
+      for (ProfilePoints* p : {&dense, &holed}) {
+        if (p == &holed && y > from && y < from + width) continue;
+        p->y.push_back(y);
+        p->z.push_back(curve.at(y).z);
+      }
+    }
+    const auto after = std::upper_bound(holed.y.begin(), holed.y.end(), from);
+    INFO("step " << step << " hole " << from << " to " << from + width);
+    CHECK(hole_remark(dense) == "");
+    CHECK_THAT(hole_remark(holed),
+               Catch::Contains(fmt::format("no points from y = {:.6g} to {:.6g} m", after[-1], *after)));
+  }
 }

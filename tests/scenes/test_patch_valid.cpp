@@ -145,6 +145,8 @@ TEST_CASE("a patch without a contact ends with exit code 1 and its reason", "[sc
   const Captured none = run("load = 5e4\ngauge = 1.43\nlateral_shift = -7.767e-3\n");
   CHECK(none.code == exit_bound);
   CHECK(none.err.find("hertz: not solved: ") != std::string::npos);
+  CHECK(none.out.find("\nhertz,") != std::string::npos);
+  CHECK(none.out.find(",,,,,") != std::string::npos);  // no row of zeros
   CHECK(run("load = 5e4\n").code == exit_done);
 }
 

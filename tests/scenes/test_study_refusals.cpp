@@ -1,6 +1,9 @@
 // Studies that lack something, or ask for what there is not: told with the place in the study.
+#include <sys/resource.h>
+#include <csignal>
 #include <fstream>
 
+#include "scenes/study/case_run.h"
 #include "scenes/study/chart.h"
 #include "scenes/study/limits.h"
 #include "tests/support/catch.h"
@@ -31,4 +34,29 @@ TEST_CASE("what a study lacks, or takes for an error, is told with its place", "
                Catch::Contains("study.toml:4:9: error: unknown error 'presure'; write "));
     CHECK_THAT(refusal(scene, vary, true), Catch::Contains("study.toml:1:1: error: a limits study has one or two"));
   }
+}
+
+TEST_CASE("a case that cannot write its files ends the study with the file and the reason", "[scenes][study]") {
+  // files of cases may be so long and no longer, as on a full disk; a run writes about 200 kB
+  const TemporaryFolder folder;
+  const std::string scene = EPAFI_SOURCE_DIR "/scenes/library/stacking/column.toml";
+  struct rlimit kept {};
+  getrlimit(RLIMIT_FSIZE, &kept);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  for (const rlim_t longest : {0, 700, 9'000}) {
+    const struct rlimit shorter { longest, kept.rlim_max };
+    std::string text;
+    setrlimit(RLIMIT_FSIZE, &shorter);
+    try {
+      run_cases(scene, {{{}, folder / "one"}, {{}, folder / "two"}}, {EPAFI_BINARY_DIR "/bin/epafi", 1, 0.0, false}, 2,
+                [](std::size_t, const CaseResult&) {});
+    } catch (const FileError& e) {
+      text = e.what();
+    }
+    setrlimit(RLIMIT_FSIZE, &kept);
+    INFO("longest file " << longest << " bytes");
+    CHECK_THAT(
+        text, Catch::Contains((folder / "").string()) && (Catch::Contains("cannot write") || Catch::Contains("large")));
+  }
+  std::signal(SIGXFSZ, handler);
 }

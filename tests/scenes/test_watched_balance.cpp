@@ -230,3 +230,47 @@ TEST_CASE("servo pads that hold a box at rest raise no alarm", "[scenes][warning
       CHECK(run_quietly(grip, {}, 0).text("warnings.0").empty());
     }
 }
+
+TEST_CASE("blocks at rest far from the origin have no energy error to speak of", "[scenes][warnings][balance]") {
+  Random random(1104, 0);
+  const TemporaryFolder folder;
+  const std::string scene = (folder / "high.toml").string();
+  for (int draw = 0; draw < 6; ++draw) {
+    const double z = std::pow(10.0, random.uniform(1.7, 4.3)), size = std::pow(10.0, random.uniform(-1.9, -0.5));
+    std::ofstream(scene) << fmt::format(
+        "run = {{ duration = {0}, time_step = {1} }}\nmaterial.m = {{ density = 1000 }}\n"
+        "contact = {{ method = \"nonsmooth\", restitution = 0.5, friction = 0.1, nonsmooth.solver = \"{2}\" }}\n"
+        "[[body]]\nshape.half_space.normal = [0, 0, 1]\nposition = [0, 0, {3:.17g}]\nmaterial = \"m\"\nfixed = true\n"
+        "[[body]]\nrepeat = 4\nshape.box.size = [{4}, {4}, {5}]\nmaterial = \"m\"\n"
+        "position = [0, 0, \"= {3:.17g} + {5:.17g}*(i + 0.5)\"]\n[bounds]\nenergy_error = 0.01\n",
+        draw % 2 ? 0.03 : 0.2, draw % 2 ? 1e-4 : 2e-3, draw < 3 ? "auto" : "adaptive", z, size, 0.5 * size);
+    INFO("z " << z << ", size " << size);
+    const FlatJson summary = run_quietly(scene, {}, 0);
+    CHECK_THAT(summary.text("warnings.0") + summary.text("warnings.1"), !Catch::Contains("balance"));
+    CHECK(std::abs(summary.number("energy.relative_error").value()) <=
+          summary.number("checks.energy_error.value").value());
+  }
+}
+
+TEST_CASE("what driven bodies give and contacts take counts in the energy that errors are relative to",
+          "[scenes][warnings][balance]") {
+  // pads slip along a box that they hold: 1e-9 of the work is open, more than a hundredth of all stored energies
+  Random random(1105, 0);
+  const TemporaryFolder folder;
+  const std::string scene = (folder / "grip.toml").string();
+  for (int draw = 0; draw < 3; ++draw) {
+    const double force = random.uniform(6.0, 12.0), mass = random.uniform(0.3, 1.0);
+    std::ofstream(scene) << "run = { duration = 0.12, time_step = 2e-3 }\nmaterial.m = { density = 1000 }\n"
+                            "contact = { method = \"nonsmooth\", restitution = 0, friction = 0.5 }\n"
+                            "[[body]]\nshape.half_space.normal = [0, 0, 1]\nmaterial = \"m\"\nfixed = true\n"
+                            "[[body]]\nshape.box.size = [0.1, 0.1, 0.1]\nmaterial = \"m\"\nposition = [0, 0, 0.05]\n";
+    for (const int side : {-1, 1})
+      std::ofstream(scene, std::ios::app) << fmt::format(
+          "[[body]]\nshape.box.size = [0.02, 0.06, 0.06]\nmaterial = \"m\"\nposition = [{}, 0, 0.05]\n"
+          "motion = {{ servo = {{ force = {}, direction = [{}, 0, 0], mass = {}, max_speed = 0.2 }} }}\n",
+          0.07 * side, force, -side, mass);
+    std::ofstream(scene, std::ios::app) << "[bounds]\nenergy_error = 1e-2\n";
+    INFO("force " << force << ", mass " << mass);
+    run_quietly(scene, {}, 0);
+  }
+}
