@@ -397,7 +397,6 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   SphereContacts::LoadOf loads(const World& world) const {
     return [this, &world](const SphereContact& c, const Vec3& normal) { return load_of(world, c, normal); };
   }
-
   /// At the last call, by the formulas of the loop.
   SphereLoad load_of(const World& world, const SphereContact& c, const Vec3& normal) const {
     SphereLoad load{-normal_force(world, c) * normal, Vec3::Zero()};
@@ -409,7 +408,6 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       load.force += xyz(springs.friction(c.rank).load);
     return load;
   }
-
   /// Velocity in the middle of the last step: without the change by its second half [m/s].
   Vec3 middle_velocity(const World& world, Slot place) const {
     const auto balls = static_cast<Slot>(blocks_.balls().size());
@@ -417,9 +415,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     const Slot slot = place - balls;
     return lag_ == 0.0 ? Vec3(world.velocity[slot]) : Vec3(world.velocity[slot] - lag_ * world.acceleration(slot));
   }
-
   static Vec3 xyz(const Lanes& x) { return {x[0], x[1], x[2]}; }
-
   /// [N]
   double normal_force(const World& world, const SphereContact& c) const {
     const bool wall = c.plane >= 0;
