@@ -6,6 +6,7 @@
 
 #include <cstdio>
 
+#include "tests/detection/mesh_floors.h"
 #include "tests/support/catch.h"
 #include "tests/support/mesh_sweep.h"
 
@@ -347,6 +348,35 @@ TEST_CASE("cylinders that lean on the rim of a table touch it where both are", "
   for (int k = 0; k < 300; ++k) {
     INFO("draw " << k);
     check_leaning(random);
+  }
+}
+
+TEST_CASE("bodies stand on few points of one normal on a fan of slivers in single precision", "[detection][mesh]") {
+  Random random(651, 0);
+  for (int draw = 0; draw < 60; ++draw) {
+    const std::uint32_t n = 100 + random.bits() % 300;
+    const double width = std::pow(10.0, random.uniform(-2, 0));
+    const Pose at{std::pow(10.0, random.uniform(-1, 2)) * testing::random_direction(random),
+                  testing::random_turn(random)};
+    TriangleSurface fan;
+    double most = 0.0;
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const double angle = 2.0 * testing::pi * k / n;
+      const Vec3 exact = at.to_world({std::cos(angle), width * std::sin(angle), 0.0});
+      fan.vertices.push_back(exact.cast<float>().cast<double>());
+      most = std::max(most, fan.vertices.back().cwiseAbs().maxCoeff());
+      if (k > 1) fan.triangles.push_back({0, k - 1, k});
+    }
+    const TriangleMesh mesh = TriangleMesh::from_surface(fan, std::ldexp(most, -24));
+    for (int k = 0; k < 20; ++k) {
+      const Quat yaw(Eigen::AngleAxisd(random.uniform(0, 2 * testing::pi), Vec3::UnitZ()));
+      const Quat tilt(Eigen::AngleAxisd(k % 2 == 0 ? 0.0 : 1e-4, Vec3::UnitX()));
+      const Vec3 place(random.uniform(-0.7, 0.7), 0.0, 0.2 - std::pow(10.0, random.uniform(-4, -2)));
+      const Pose body{at.to_world(place), at.orientation * tilt * yaw};
+      INFO("draw " << draw << ", body " << k << ": " << n << " slivers, width " << width);
+      for (const double reach : {0.0, 1e-3})
+        CHECK(testing::contacts_with(Box(Vec3(0.15, 0.1, 0.2)), body, mesh, {}, reach).size() <= 6);
+    }
   }
 }
 

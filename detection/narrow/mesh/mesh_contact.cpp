@@ -43,8 +43,6 @@ void keep_outline(std::vector<PatchPoint>& points, const Vec3& normal, double to
   points.assign(outline.begin(), outline.end());
 }
 
-bool is_parallel(const Vec3& m, const Vec3& n) { return (m - n).squaredNorm() <= same * same; }
-
 }  // namespace
 
 void drop_far(const TriangleMesh& mesh, const Vec3& x, double distance, std::size_t first,
@@ -62,7 +60,9 @@ void drop_far(const TriangleMesh& mesh, const Vec3& x, double distance, std::siz
                   triangles.end());
 }
 
-void reduce(std::vector<MeshPoint>& points, double size, bool springs) {
+void reduce(std::vector<MeshPoint>& points, double size, double flatness, bool springs) {
+  const double angle = std::max(same, flatness / size);
+  const auto is_parallel = [=](const Vec3& m, const Vec3& n) { return (m - n).squaredNorm() <= angle * angle; };
   // regions that share an edge give its points the same name: the deepest is kept
   std::sort(points.begin(), points.end(), [](const MeshPoint& a, const MeshPoint& b) {
     return a.feature != b.feature ? a.feature < b.feature : a.gap < b.gap;
@@ -77,17 +77,17 @@ void reduce(std::vector<MeshPoint>& points, double size, bool springs) {
   }
   points.erase(points.begin() + static_cast<std::ptrdiff_t>(kept), points.end());
   if (kept <= 4) return;
-  static thread_local std::vector<PatchPoint>
-      group;  // keep their size: no allocation once the largest contact was seen
+  static thread_local std::vector<PatchPoint> group;  // they keep their sizes
   static thread_local std::vector<MeshPoint> out;
   out.clear();
-  for (std::size_t first = 0; first < kept; ++first) {
-    const Vec3 n = points[first].normal;
-    const auto is_earlier = [&](const MeshPoint& p) { return is_parallel(p.normal, n); };
-    if (std::any_of(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(first), is_earlier)) continue;
+  while (!points.empty()) {
+    const Vec3 n = points.front().normal;
     group.clear();
-    for (std::size_t k = first; k < kept; ++k)
-      if (is_parallel(points[k].normal, n)) group.push_back({points[k].position, points[k].gap, points[k].feature});
+    std::erase_if(points, [&](const MeshPoint& p) {
+      if (!is_parallel(p.normal, n)) return false;
+      group.push_back({p.position, p.gap, p.feature});
+      return true;
+    });
     const bool corners = std::ranges::all_of(group, is_corner_of_body, &PatchPoint::feature);
     if (!springs || !corners) keep_outline(group, n, same * size);
     Patch patch;

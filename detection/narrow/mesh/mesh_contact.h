@@ -78,10 +78,11 @@ inline Vec3 normal_towards(const TriangleMesh& mesh, std::uint32_t t, const Vec3
 void drop_far(const TriangleMesh& mesh, const Vec3& x, double distance, std::size_t first,
               std::vector<std::uint32_t>& triangles);
 
-/// Merges points that are one (position and normal within 1e-6 of `size` and of 1), keeping the lowest feature; of
-/// points with one normal keeps all if they are corners of the body and springs act there, else those that keep_four
-/// takes of their outline (manifold.h).
-void reduce(std::vector<MeshPoint>& points, double size, bool springs);
+/// Merges points that are one (within 1e-6 of `size`), keeping the lowest feature; of points with one normal keeps all
+/// if they are corners of the body and springs act there, else those that keep_four takes of their outline
+/// (manifold.h). Normals are one within 1e-6, or within the angle that `flatness` [m] of the mesh's faces leaves open
+/// over the size.
+void reduce(std::vector<MeshPoint>& points, double size, double flatness, bool springs);
 
 /// Contacts of these points. radius_towards(n): the body's radius for R* where n leaves it, in axes of the mesh [m].
 template <class Radius>

@@ -70,7 +70,7 @@ class ConvexOnMesh {
       on_face(triangles_.front(), normal_towards(mesh, triangles_.front(), pose.position), Face::plain);
     else
       meet_regions();
-    reduce(out_, size, !(q.reach > 0.0));
+    reduce(out_, size, mesh.joined.flatness, !(q.reach > 0.0));
     const auto radius_towards = [&](const Vec3& n) {
       return guest.radius.against_flat(pose.orientation.conjugate() * n);
     };
