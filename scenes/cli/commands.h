@@ -48,8 +48,8 @@ struct PatchOptions {
   bool json = false;
   bool table = false;     ///< aligned columns for people in place of CSV
   bool geometry = false;  ///< rigid geometry of the wheelset instead of the models
-  std::string maps;       ///< folder for pressure, traction and slip maps; empty: none
-  std::string out;        ///< file for the rows; empty: stdout
+  std::string maps = {};  ///< folder for pressure, traction and slip maps; empty: none
+  std::string out = {};   ///< file for the rows; empty: stdout
 };
 
 int command_run(const CommonOptions& common, const RunOptions& options);

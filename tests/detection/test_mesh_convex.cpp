@@ -90,7 +90,8 @@ Found laid(const A& a, int count, std::uint64_t stream) {
     Body body;
     body.shape = shapes.add(a).packed;
     const double tilt = k % 5 == 0 ? 0.0 : std::pow(10.0, random.uniform(-8, -1.5));
-    const Quat down(Eigen::AngleAxisd(0.5 * testing::pi * (random.bits() % 4), Vec3::Unit(random.bits() % 3)));
+    const Quat down(
+        Eigen::AngleAxisd(0.5 * testing::pi * static_cast<double>(random.bits() % 4), Vec3::Unit(random.bits() % 3)));
     const Quat yaw(Eigen::AngleAxisd(random.uniform(0, 2 * testing::pi), Vec3::UnitZ()));
     const Quat in_table = Quat(Eigen::AngleAxisd(tilt, testing::random_direction(random))) * yaw * down;
     const Quat turn = testing::random_turn(random);
@@ -183,7 +184,8 @@ Found notched(const A& a, int count, std::uint64_t stream) {
     const support::SteppedRock plate = support::random_rock(random, {n, n, 1});
     const auto parts = support::parts_of(plate);
     const double tilt = random.bits() % 5 == 0 ? 0.0 : std::pow(10.0, random.uniform(-8, -1.5));
-    const Quat down(Eigen::AngleAxisd(0.5 * testing::pi * (random.bits() % 4), Vec3::Unit(random.bits() % 3)));
+    const Quat down(
+        Eigen::AngleAxisd(0.5 * testing::pi * static_cast<double>(random.bits() % 4), Vec3::Unit(random.bits() % 3)));
     const Quat yaw(Eigen::AngleAxisd(random.uniform(0, 2 * testing::pi), Vec3::UnitZ()));
     const Quat turn = testing::random_turn(random);
     Body body;
@@ -354,7 +356,7 @@ TEST_CASE("cylinders that lean on the rim of a table touch it where both are", "
 TEST_CASE("bodies stand on few points of one normal on a fan of slivers in single precision", "[detection][mesh]") {
   Random random(651, 0);
   for (int draw = 0; draw < 60; ++draw) {
-    const std::uint32_t n = 100 + random.bits() % 300;
+    const std::uint32_t n = static_cast<std::uint32_t>(100 + random.bits() % 300);
     const double width = std::pow(10.0, random.uniform(-2, 0));
     const Pose at{std::pow(10.0, random.uniform(-1, 2)) * testing::random_direction(random),
                   testing::random_turn(random)};

@@ -108,7 +108,7 @@ TEST_CASE("the loss told of a dashpot is its work where steps change too", "[law
       rig.start();
       double dt = 1e-5, power = 0.0, exact = 0.0;
       for (int k = 0; k < 600; ++k) {
-        if (unit(random) < 0.3) dt = 1e-5 / (1 + random() % 4);
+        if (unit(random) < 0.3) dt = 1e-5 / static_cast<double>(1 + random() % 4);
         exact += 0.5 * dt * power;
         rig.step(dt);
         const double overlap = 0.005 - rig.world.position[0].z();

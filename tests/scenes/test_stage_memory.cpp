@@ -41,8 +41,9 @@ auto outcome(const fs::path& scene, const fs::path& out) {
 
 TEST_CASE("contacts keep what both laws remember where a stage adds or ends friction or rolling", "[scenes][stages]") {
   std::mt19937 random(91);
-  const std::vector<std::string> laws = {"hertz", "linear", "hunt-crossley\"\nreference_speed = 0.5\n#\"",
-                                         "jkr\"\nwork_of_adhesion = 0.05\n#\"", "walton-braun"};
+  const std::vector<std::string> laws = {"hertz", "linear\"\nstiffness = 1e4\n#\"",
+                                         "hunt-crossley\"\nreference_speed = 0.5\n#\"",
+                                         "jkr\"\nwork_of_adhesion = 0.05\n#\"", "walton-braun\"\nstiffness = 1e4\n#\""};
   const char* const values[] = {"0.0", "0.3", "0.5"};
   const auto keys = [](const std::string& prefix, const char* friction, const char* rolling) {
     return prefix + "friction = " + friction + "\n" + prefix + "rolling_friction = " + rolling + "\n";

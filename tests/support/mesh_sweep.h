@@ -155,7 +155,8 @@ class MeshSweep {
     pose.orientation = testing::random_turn(random_);
     if (random_.bits() & 1u) {
       const double tilt = random_.bits() % 5 == 0 ? 0.0 : std::pow(10.0, random_.uniform(-8, -1.5));
-      const Quat down(Eigen::AngleAxisd(0.5 * testing::pi * (random_.bits() % 4), Vec3::Unit(random_.bits() % 3)));
+      const Quat down(Eigen::AngleAxisd(0.5 * testing::pi * static_cast<double>(random_.bits() % 4),
+                                        Vec3::Unit(random_.bits() % 3)));
       const Quat yaw(Eigen::AngleAxisd(random_.uniform(0, 2 * testing::pi), Vec3::UnitZ()));
       pose.orientation = Quat(Eigen::AngleAxisd(tilt, testing::random_direction(random_))) * yaw * down;
     }

@@ -215,15 +215,15 @@ class RoundOnMesh {
   }
 };
 
-/// Of points of both ends of a short capsule on one spot the deepest remains, with a name that both ends have.
-void keep_deeper_end(std::vector<MeshPoint>& points) {
+/// Of points of the ends and the side of a short capsule on one spot the deepest remains, with a name of both ends.
+void keep_deepest(std::vector<MeshPoint>& points) {
   std::ranges::sort(points, [](const MeshPoint& p, const MeshPoint& q) {
     return p.gap < q.gap || (p.gap == q.gap && p.feature < q.feature);
   });
-  const auto end = [](const MeshPoint& p) { return p.feature >> 3 & 1; };
+  const auto part = [](const MeshPoint& p) { return p.feature >> 3 & 3; };
   std::size_t kept = 0;
   for (const MeshPoint& p : points) {
-    const auto stands_for = [&](const MeshPoint& q) { return end(q) != end(p) && q.normal.dot(p.normal) > one_spot; };
+    const auto stands_for = [&](const MeshPoint& q) { return part(q) != part(p) && q.normal.dot(p.normal) > one_spot; };
     if (std::none_of(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(kept), stands_for))
       points[kept++] = p;
   }
@@ -262,10 +262,8 @@ void collide_triangles(const Capsule& a, const TriangleMesh& b, std::span<const 
   };
   collide_end(low, 0);
   if (a.length > 0.0) collide_end(high, 1);
-  if (a.is_short())
-    keep_deeper_end(points);
-  else
-    round.collide_side(low, 2.0 * half, points);
+  round.collide_side(low, 2.0 * half, points);
+  if (a.is_short()) keep_deepest(points);
   emit(
       points, centre, [&](const Vec3&) { return a.radius; }, q, sink);
 }
