@@ -92,7 +92,7 @@ void SmoothContact::reorder(const Reordering& change) {
 void SmoothContact::visit(StateVisitor& visitor) {
   visitor.share("smooth/viscous_power", before_.viscous_power);
   visitor.share("smooth/driven_power", before_.driven_power);
-  visitor.share("smooth/step", ratio_.last);
+  visitor.value("smooth/step", ratio_.last);
   if (law_.needs.friction) visitor.share("smooth/spring_energy", before_.spring_energy);
   if (law_.remembers()) memory_.visit(visitor);
 }

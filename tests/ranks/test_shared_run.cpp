@@ -218,8 +218,9 @@ Outcome run(Simulation& sim, int steps, int& ahead) {
   sim.ledger.measure(sim.world);
   out.dissipated = sim.ledger.last().dissipated;
   for (ImageColumn& c : image_of([&](StateVisitor& v) { sim.visit(v); }))
-    if (c.whose == RowsOf::first_slots || c.whose == RowsOf::second_slots || c.name.rfind("smooth/", 0) == 0 ||
-        c.whose == RowsOf::ids || (c.whose == RowsOf::bodies && c.name != "world/torque" && c.name != "world/force"))
+    if (c.whose == RowsOf::first_slots || c.whose == RowsOf::second_slots || c.name == "smooth/normal" ||
+        c.name == "smooth/friction" || c.name == "smooth/rolling" || c.whose == RowsOf::ids ||
+        (c.whose == RowsOf::bodies && c.name != "world/torque" && c.name != "world/force"))
       out.memory[c.name] = c.data;
   return out;
 }

@@ -192,7 +192,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     visitor.share("spheres/others", others_);
     visitor.share("spheres/viscous_power", viscous_power_);
     visitor.share("spheres/driven_power", driven_power_);
-    visitor.share("spheres/step", ratio_.last);
+    visitor.value("spheres/step", ratio_.last);
   }
 
  private:
