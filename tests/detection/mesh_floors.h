@@ -6,6 +6,17 @@
 
 namespace epafi::testing {
 
+/// The same triangles, none of which shares a corner with another.
+inline TriangleSurface with_loose_corners(const TriangleSurface& s) {
+  TriangleSurface loose;
+  for (const auto& t : s.triangles) {
+    const auto k = static_cast<std::uint32_t>(loose.vertices.size());
+    for (const auto v : t) loose.vertices.push_back(s.vertices[v]);
+    loose.triangles.push_back({k, k + 1, k + 2});
+  }
+  return loose;
+}
+
 enum class Joints { shared, loose, staggered };
 
 /// Floor z = 0 over [-1, 1]^2 in n by n cells with jittered nodes and random diagonals. loose: no shared vertices.
@@ -45,14 +56,7 @@ inline TriangleSurface floor_surface(Random& random, std::uint32_t n, Joints joi
       const std::uint32_t k = j * (n + 1) + i;
       quad({k, k + 1, k + n + 2, k + n + 1});
     }
-  if (joints == Joints::shared) return s;
-  TriangleSurface loose;
-  for (const auto& t : s.triangles) {
-    const auto k = static_cast<std::uint32_t>(loose.vertices.size());
-    for (const auto v : t) loose.vertices.push_back(s.vertices[v]);
-    loose.triangles.push_back({k, k + 1, k + 2});
-  }
-  return loose;
+  return joints == Joints::shared ? s : with_loose_corners(s);
 }
 
 /// Contacts of a body with all triangles near it.

@@ -32,14 +32,7 @@ TriangleSurface tube_surface(Random& random, int sides, bool shared, bool single
     }
   if (turned)
     for (Triangle& t : s.triangles) std::swap(t[1], t[2]);
-  if (shared) return s;
-  TriangleSurface loose;
-  for (const Triangle& t : s.triangles) {
-    const auto k = static_cast<std::uint32_t>(loose.vertices.size());
-    for (const auto v : t) loose.vertices.push_back(s.vertices[v]);
-    loose.triangles.push_back({k, k + 1, k + 2});
-  }
-  return loose;
+  return shared ? s : with_loose_corners(s);
 }
 
 /// Force of springs N = overlap^power, as seen by the ball.
