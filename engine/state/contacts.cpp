@@ -201,6 +201,51 @@ std::uint32_t ContactMemory::left_for(const ContactSet& contacts, std::size_t i,
   return none;
 }
 
+/// The contact of the same two bodies, in the same image, that has ended within 1 % of the shorter arm of contact i,
+/// which begins: the nearest one that has no nearer successor. k: where contact i would stand in the remembered list.
+std::uint32_t ContactMemory::left_nearby(const World& world, const ContactSet& contacts, std::size_t i, std::size_t k,
+                                         const IsEmpty& is_empty) const {
+  constexpr double nearby = 1e-2;
+  const Slot a = contacts.a[i], b = contacts.b[i];
+  const Feature f = contacts.feature[i];
+  const auto same_pair = [f, a, b](const std::vector<Slot>& of_a, const std::vector<Slot>& of_b,
+                                   const std::vector<Feature>& of, std::size_t at) {
+    return at < of_a.size() && of_a[at] == a && of_b[at] == b && ((of[at] ^ f) & image_bits) == 0;
+  };
+  const auto range = [&](const auto& is_in, std::size_t at) {
+    std::size_t begin = at, end = at;
+    while (begin > 0 && is_in(begin - 1)) --begin;
+    while (is_in(end)) ++end;
+    return std::pair(begin, end);
+  };
+  const auto was = range([&](std::size_t at) { return same_pair(a_, b_, feature_, at); }, k);
+  if (was.first == was.second) return none;
+  const auto is = range([&](std::size_t at) { return same_pair(contacts.a, contacts.b, contacts.feature, at); }, i);
+  const auto place = [](const std::vector<Feature>& of, std::pair<std::size_t, std::size_t> in, Feature wanted) {
+    const auto end = of.begin() + static_cast<std::ptrdiff_t>(in.second);
+    const auto found = std::lower_bound(of.begin() + static_cast<std::ptrdiff_t>(in.first), end, wanted);
+    return found != end && *found == wanted ? static_cast<std::size_t>(found - of.begin()) : in.second;
+  };
+  const auto holds = [&](std::size_t at) { return at != was.second && !(is_empty && is_empty(at)); };
+  const auto has_ended = [&](std::size_t at) {
+    return holds(at) && place(contacts.feature, is, feature_[at]) == is.second;
+  };
+  const auto begins = [&](std::size_t at) { return !holds(place(feature_, was, contacts.feature[at])); };
+  const auto distance = [&](std::size_t before, std::size_t now) {
+    return (arm_[before] - contacts.arm[now]).squaredNorm();
+  };
+  double least = nearby * nearby * std::min(contacts.arm[i].squaredNorm(), contacts.arm_b(i, world).squaredNorm());
+  std::uint32_t nearest = none;
+  for (std::size_t at = was.first; at < was.second; ++at)
+    if (distance(at, i) < least && has_ended(at)) {
+      least = distance(at, i);
+      nearest = static_cast<std::uint32_t>(at);
+    }
+  for (std::size_t at = is.first; at < is.second && nearest != none; ++at)
+    if (at != i && begins(at) && std::pair(distance(nearest, at), at) < std::pair(least, i)) nearest = none;
+  return nearest;
+}
+
 /// If two contacts would continue the same one, the first does.
 void ContactMemory::settle_joined(const ContactSet& contacts, std::vector<std::uint32_t>& previous,
                                   std::vector<std::uint32_t>* turned) {
@@ -213,14 +258,13 @@ void ContactMemory::settle_joined(const ContactSet& contacts, std::vector<std::u
   }
 }
 
-void ContactMemory::match(const ContactSet& contacts, std::vector<std::uint32_t>& previous, const IsEmpty& is_empty,
-                          std::vector<std::uint32_t>* turned) {
+void ContactMemory::match(const World& world, const ContactSet& contacts, std::vector<std::uint32_t>& previous,
+                          const IsEmpty& is_empty, std::vector<std::uint32_t>* turned) {
   previous.resize(contacts.size());
   const auto is_mesh = [&](Slot s) { return std::binary_search(contacts.meshes.begin(), contacts.meshes.end(), s); };
   const auto may_go_on = [&](Slot a, Slot b) {
     return is_mesh(a) || is_mesh(b) || !contacts.joined_to(a, b).empty() || !contacts.joined_to(b, a).empty();
   };
-  const bool none_may = contacts.meshes.empty() && contacts.joined.empty();
   parallel_blocks(contacts.size(), 1024, [&](std::size_t begin, std::size_t end, std::size_t) {
     const auto key = [&](std::size_t i) { return std::tuple(contacts.a[i], contacts.b[i], contacts.feature[i]); };
     const auto old = [&](std::size_t k) { return std::tuple(a_[k], b_[k], feature_[k]); };
@@ -231,19 +275,23 @@ void ContactMemory::match(const ContactSet& contacts, std::vector<std::uint32_t>
       while (k < a_.size() && old(k) < wanted) ++k;
       const bool found = k < a_.size() && old(k) == wanted;
       previous[i] = found ? static_cast<std::uint32_t>(k) : none;
-      if (none_may || (found && !(is_empty && is_empty(k))) || !may_go_on(contacts.a[i], contacts.b[i])) continue;
-      if (const std::uint32_t left = left_for(contacts, i, is_empty); left != none) previous[i] = left;
+      if (found && !(is_empty && is_empty(k))) continue;
+      std::uint32_t left = none;
+      if (may_go_on(contacts.a[i], contacts.b[i])) left = left_for(contacts, i, is_empty);
+      if (left == none) left = left_nearby(world, contacts, i, k, is_empty);
+      if (left != none) previous[i] = left;
     }
   });
   if (!contacts.joined.empty()) settle_joined(contacts, previous, turned);
   a_ = contacts.a;
   b_ = contacts.b;
   feature_ = contacts.feature;
+  arm_ = contacts.arm;
 }
 
 std::vector<std::uint32_t> ContactMemory::reorder(const Reordering& change) {
   const std::vector<std::uint32_t> order = order_after(change, a_, b_, feature_);
-  permute(order, a_, b_, feature_);
+  permute(order, a_, b_, feature_, arm_);
   return order;
 }
 
@@ -251,6 +299,7 @@ void ContactMemory::visit(StateVisitor& visitor, const std::string& name) {
   visitor.rows(RowsOf::first_slots, name + "/a", a_);
   visitor.rows(RowsOf::second_slots, name + "/b", b_);
   visitor.rows(RowsOf::contacts, name + "/feature", feature_);
+  visitor.rows(RowsOf::contacts, name + "/arm", arm_);
 }
 
 }  // namespace epafi

@@ -116,9 +116,11 @@ struct ContactSet {
 };
 
 /// Keys of the contacts of the last step, to carry data (tangential springs, warm starts) from step to step. Both lists
-/// are in canonical order, so matching is one merge. On a mesh, and on joined walls, a contact that begins may continue
-/// one of the same body that ends, across an edge or seam: if both have the same name on the body, or if they are the
-/// only ones that begin and end. A contact that existed before, but without remembered data, counts as beginning.
+/// are in canonical order, so matching is one merge. A contact that begins continues one of the same two bodies that
+/// ends at the same place: the name of a corner changes where edges of two bodies cross. On a mesh, and on joined
+/// walls, it may also continue one of the same body across an edge or seam: if both have the same name on the body, or
+/// if they are the only ones that begin and end. A contact that existed before, but without remembered data, counts as
+/// beginning.
 class ContactMemory {
  public:
   static constexpr std::uint32_t none = 0xffffffffu;
@@ -126,8 +128,8 @@ class ContactMemory {
   /// Sets previous[i] to the index of contact i in the remembered list, or none; then remembers `contacts`.
   /// is_empty(k): the remembered contact k has no data. turned: receives the contacts whose body A was B in the
   /// remembered list.
-  void match(const ContactSet& contacts, std::vector<std::uint32_t>& previous, const IsEmpty& is_empty = {},
-             std::vector<std::uint32_t>* turned = nullptr);
+  void match(const World& world, const ContactSet& contacts, std::vector<std::uint32_t>& previous,
+             const IsEmpty& is_empty = {}, std::vector<std::uint32_t>* turned = nullptr);
   /// Renames slots and restores canonical order; order[k] = old index of the entry now at k (removed ones are dropped).
   std::vector<std::uint32_t> reorder(const Reordering& change);
   void visit(StateVisitor& visitor, const std::string& name);
@@ -135,11 +137,14 @@ class ContactMemory {
 
  private:
   std::uint32_t left_for(const ContactSet& contacts, std::size_t i, const IsEmpty& is_empty) const;
+  std::uint32_t left_nearby(const World& world, const ContactSet& contacts, std::size_t i, std::size_t k,
+                            const IsEmpty& is_empty) const;
   void settle_joined(const ContactSet& contacts, std::vector<std::uint32_t>& previous,
                      std::vector<std::uint32_t>* turned);
 
   std::vector<Slot> a_, b_;
   std::vector<Feature> feature_;
+  std::vector<Vec3> arm_;            ///< from A's centre, world axes [m]
   std::vector<std::uint8_t> taken_;  ///< of the remembered contacts, where walls are joined
 };
 

@@ -21,10 +21,10 @@ class RecordMemory {
 
   /// exchange(record): of a contact whose bodies A and B have changed places.
   template <class Exchange>
-  void advance(const ContactSet& contacts, const Exchange& exchange) {
+  void advance(const World& world, const ContactSet& contacts, const Exchange& exchange) {
     turned_.clear();
     keys_.match(
-        contacts, previous_, [&](std::size_t k) { return std::all_of(row(now_, k), row(now_, k + 1), is_zero); },
+        world, contacts, previous_, [&](std::size_t k) { return std::all_of(row(now_, k), row(now_, k + 1), is_zero); },
         &turned_);
     old_.swap(now_);
     for (const std::uint32_t i : turned_) exchange(row(old_, previous_[i]));

@@ -66,7 +66,7 @@ void SmoothContact::act(World& world, ContactSet& contacts, const StepClock& clo
   else
     change_.predict(world, lag);
   if (law_.remembers())
-    memory_.advance(contacts, [this](double* record) {
+    memory_.advance(world, contacts, [this](double* record) {
       if (law_.needs.friction) law_.friction.exchange(record + law_.state);
       if (law_.rolls) exchange(*reinterpret_cast<Spring*>(record + law_.state + law_.friction.memory));
     });

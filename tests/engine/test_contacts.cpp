@@ -24,6 +24,18 @@ ContactSet set_of(const std::vector<Key>& keys) {
   return set;
 }
 
+/// Fixed bodies in a row, 1 m apart.
+World row_of(Slot bodies) {
+  World world;
+  Body body;
+  for (Slot s = 0; s < bodies; ++s) {
+    body.position = Vec3(s, 0, 0);
+    world.add(body);
+  }
+  return world;
+}
+const World row = row_of(120);
+
 /// A random subset of pairs near each other, one to three features, in canonical order.
 std::vector<Key> random_keys(Random& random, Slot bodies, double share) {
   std::vector<Key> keys;
@@ -45,7 +57,7 @@ TEST_CASE("contact memory finds what a map finds, through random churn", "[engin
     const double share = step % 13 == 0 ? 0.0 : step % 17 == 0 ? 0.9 : 0.3;
     const auto keys = random_keys(random, 60, share);
     std::vector<std::uint32_t> previous;
-    memory.match(set_of(keys), previous);
+    memory.match(row, set_of(keys), previous);
     REQUIRE(previous.size() == keys.size());
     bool same = true;
     for (std::size_t i = 0; i < keys.size(); ++i) {
@@ -66,7 +78,7 @@ TEST_CASE("contact memory follows renamed and removed bodies", "[engine][contact
     const auto keys = random_keys(random, bodies, 0.2);
     ContactMemory memory;
     std::vector<std::uint32_t> previous;
-    memory.match(set_of(keys), previous);
+    memory.match(row, set_of(keys), previous);
     std::vector<Slot> order;
     for (Slot s = 0; s < bodies; ++s)
       if (random.uniform() < 0.8) order.push_back(s);
@@ -90,7 +102,7 @@ TEST_CASE("contact memory follows renamed and removed bodies", "[engine][contact
       renamed.push_back(key);
     }
     CHECK(same);
-    memory.match(set_of(renamed), previous);  // all are found where reorder put them
+    memory.match(row, set_of(renamed), previous);  // all are found where reorder put them
     for (std::uint32_t k = 0; k < previous.size(); ++k) same = same && previous[k] == k;
     CHECK(same);
   }
@@ -105,8 +117,8 @@ TEST_CASE("contact memory is the same for every thread count", "[engine][contact
     set_thread_count(threads);
     ContactMemory memory;
     std::vector<std::uint32_t> previous;
-    memory.match(set_of(first), previous);
-    memory.match(set_of(second), previous);
+    memory.match(row, set_of(first), previous);
+    memory.match(row, set_of(second), previous);
     if (threads == 1) reference = previous;
     CHECK(previous == reference);
   }
@@ -154,10 +166,10 @@ TEST_CASE("on a mesh a contact goes on over an edge, where it can be told which"
     };
     ContactMemory memory;
     std::vector<std::uint32_t> previous;
-    memory.match(set_of(keys(before)), previous);
+    memory.match(row, set_of(keys(before)), previous);
     ContactSet set = set_of(keys(now));
     if (mesh) set.meshes = {4, 9};
-    memory.match(set, previous);
+    memory.match(row, set, previous);
     previous.erase(previous.begin());
     return previous;
   };
@@ -177,11 +189,11 @@ TEST_CASE("on a mesh a contact goes on over an edge, where it can be told which"
   List previous;
   ContactSet set = set_of({{3, 9, side(2, 0)}, {3, 9, side(7, 0)}});
   set.meshes = {9};
-  memory.match(set, previous);
+  memory.match(row, set, previous);
   ContactSet later = set_of({{3, 9, side(7, 0)}});
   later.meshes = {9};
   const auto is_second = [](std::size_t k) { return k == 1; };
-  memory.match(later, previous, is_second);
+  memory.match(row, later, previous, is_second);
   CHECK(previous == List{0});
 }
 
@@ -192,11 +204,11 @@ TEST_CASE("over joined walls a contact goes on with one that ends there, each wi
   const auto previous_of = [](const std::vector<Key>& before, const std::vector<Key>& now, bool joined, List& turned) {
     ContactMemory memory;
     List previous;
-    memory.match(set_of(before), previous);
+    memory.match(row, set_of(before), previous);
     ContactSet set = set_of(now);
     if (joined) set.joined = {{5, 3, 4}, {5, 3, 8}, {5, 4, 3}, {5, 8, 3}};
     turned.clear();
-    memory.match(set, previous, {}, &turned);
+    memory.match(row, set, previous, {}, &turned);
     return previous;
   };
   List turned;
@@ -215,13 +227,13 @@ TEST_CASE("over joined walls a contact goes on with one that ends there, each wi
     const auto before = random_keys(random, 12, 0.3), now = random_keys(random, 12, 0.3);
     ContactMemory memory;
     List previous;
-    memory.match(set_of(before), previous);
+    memory.match(row, set_of(before), previous);
     ContactSet set = set_of(now);
     for (Slot body = 0; body < 12; ++body)
       for (Slot wall = 0; wall < 12; ++wall)
         for (Slot other = 0; other < 12; ++other)
           if (random.uniform() < 0.2) set.joined.push_back({body, wall, other});
-    memory.match(set, previous);
+    memory.match(row, set, previous);
     std::vector<int> times(before.size(), 0);
     for (std::size_t i = 0; i < now.size(); ++i) {
       if (previous[i] == none) continue;
@@ -231,4 +243,45 @@ TEST_CASE("over joined walls a contact goes on with one that ends there, each wi
     }
     CHECK(std::all_of(times.begin(), times.end(), [](int n) { return n <= 1; }));
   }
+}
+
+TEST_CASE("a contact that gets another name at the same place goes on, each with one", "[engine][contacts]") {
+  constexpr std::uint32_t none = ContactMemory::none;
+  Random random(9, 1);
+  int went_on = 0;
+  for (int draw = 0; draw < 200; ++draw) {
+    // points of two bodies, at least 0.1 m from each other: some keep their names, some get new ones, some go
+    std::vector<Vec3> points;
+    while (points.size() < 6) {
+      const Vec3 p(random.uniform(), random.uniform(), random.uniform());
+      const auto is_near = [&](const Vec3& q) { return (p - q).norm() < 0.1; };
+      if (std::none_of(points.begin(), points.end(), is_near)) points.push_back(p + Vec3(1, 1, 1));
+    }
+    ContactSet before, now;
+    std::vector<std::pair<Feature, std::uint32_t>> expected;  // name now, index before
+    for (std::uint32_t k = 0; k < points.size(); ++k) {
+      ContactPoint c;
+      c.feature = k;
+      c.arm = points[k];
+      before.append(0, 1, c);
+      const double fate = random.uniform();
+      if (fate < 0.3) continue;
+      const bool same_place = random.uniform() < 0.7;
+      c.feature = fate < 0.6 ? Feature{k} : Feature{100} + random.bits() % 1000 * 10 + k;
+      const Vec3 way(random.uniform(), random.uniform(), random.uniform());
+      c.arm += same_place ? Vec3(0.004 * way) : Vec3(Vec3::Constant(0.02) + 0.02 * way);
+      now.append(0, 1, c);
+      expected.emplace_back(c.feature, c.feature == k || same_place ? k : none);
+      went_on += c.feature != k && same_place;
+    }
+    now.sort();
+    std::sort(expected.begin(), expected.end());
+    ContactMemory memory;
+    std::vector<std::uint32_t> previous;
+    memory.match(row, before, previous);
+    memory.match(row, now, previous);
+    REQUIRE(previous.size() == expected.size());
+    for (std::size_t i = 0; i < previous.size(); ++i) CHECK(previous[i] == expected[i].second);
+  }
+  CHECK(went_on > 100);
 }

@@ -1,5 +1,7 @@
 // Contacts of the fused loop as observers see them, among those of others: in canonical order, each with its values,
 // the same for every thread count, and together what the bodies feel; read in pieces they are the same ones.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <random>
 #include <tuple>
