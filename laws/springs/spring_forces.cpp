@@ -47,6 +47,7 @@ class SpringForces final : public ContactLayer, public SharedModel {
     Vec3 arm = Vec3::Zero(), far_arm = Vec3::Zero();
     Vec3 damper = Vec3::Zero();  ///< part of the force
     Vec3 rate = Vec3::Zero();    ///< of the stretch, world axes [m/s]
+    Vec3 flow = Vec3::Zero();    ///< its part from the strain of the cell [m/s]
     FarEnd far;
   };
   void attach(const World& world, double time);
@@ -79,6 +80,11 @@ class SpringForces final : public ContactLayer, public SharedModel {
   void act_rigid(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report);
   void push_rigid(const World& world, std::size_t k, const Pull& p, double dt);
   Vec3 rate_now(const World& world, std::size_t k, const Pull& p) const;
+  /// Of the stretch, by a frame or driven body and by the strain of the cell; world axes [m/s].
+  Vec3 driven_rate(const World& world, std::size_t k, const Pull& p) const {
+    const bool driven = !springs_[k].to || !world.is_movable(world.slot_of(*springs_[k].to));
+    return driven ? Vec3(p.flow + p.far.velocity) : p.flow;
+  }
   double stored(const World& world, std::size_t k, double ahead) const;
 
   std::vector<SpringElement> springs_;
@@ -91,6 +97,12 @@ class SpringForces final : public ContactLayer, public SharedModel {
   std::vector<Pull> pulls_;
   Pushes pushes_;  ///< of a non-smooth step
 };
+
+/// Velocity that the strain of the cell gives a body beside its own, along its unwrapped path [m/s].
+Vec3 flow_of_cell(const World& world, Slot s) {
+  if (!world.cell) return Vec3::Zero();
+  return world.cell->strain_rate.cwiseProduct(world.unwrapped(s) - world.cell->low);
+}
 
 /// The pose after the body went on for `ahead` [s] as it moves now.
 Pose pose_ahead(const World& world, Slot s, double ahead) {
@@ -145,9 +157,10 @@ SpringForces::Pull SpringForces::pull(const World& world, std::size_t k, const S
   p.arm = world.pose(a).orientation * s.attachment;
   const Vec3 near = world.unwrapped(a) + p.arm;
   p.far = far_end(world, k, near, clock);
+  p.flow = (s.to ? flow_of_cell(world, world.slot_of(*s.to)) : Vec3::Zero()) - flow_of_cell(world, a);
   const BodyMotion m = motion_at_detection(world, a, clock);
   const Vec3 stretch = p.far.axes.transpose() * (p.far.point - near),
-             rate = p.far.axes.transpose() * (p.far.velocity - m.velocity - m.angular_velocity.cross(p.arm));
+             rate = p.far.axes.transpose() * (p.far.velocity + p.flow - m.velocity - m.angular_velocity.cross(p.arm));
   const Vec3 damper = s.damping.cwiseProduct(rate);
   p.damper = p.far.axes * damper;
   p.rate = p.far.axes * rate;
@@ -155,8 +168,7 @@ SpringForces::Pull SpringForces::pull(const World& world, std::size_t k, const S
   if (s.to) p.far_arm = near - world.unwrapped(world.slot_of(*s.to));
   balance.elastic += 0.5 * stretch.dot(s.stiffness.cwiseProduct(stretch));
   balance.lost += damper.dot(rate);
-  const bool driven = !s.to || !world.is_movable(world.slot_of(*s.to));
-  if (driven) balance.driven += p.force.dot(p.far.velocity);
+  balance.driven += p.force.dot(driven_rate(world, k, p));
   return p;
 }
 
@@ -181,7 +193,7 @@ void SpringForces::push_rigid(const World& world, std::size_t k, const Pull& p, 
   if (springs_[k].to) push(world.slot_of(*springs_[k].to), -dt * p.force, p.far_arm);
 }
 
-/// Of the stretch, by the velocities of now at the places of the pull; world axes.
+/// Of the stretch, by the velocities of now at the places of the pull; world axes [m/s].
 Vec3 SpringForces::rate_now(const World& world, std::size_t k, const Pull& p) const {
   const auto at = [&](Slot s, const Vec3& arm) -> Vec3 {
     return world.rotates() ? Vec3(world.velocity[s] + world.angular_velocity[s].cross(arm)) : world.velocity[s];
@@ -263,8 +275,7 @@ void SpringForces::act_rigid(World& world, ContactSet& contacts, const StepClock
     report.elastic += stored(world, k, 0.5 * clock.dt);
     report.dissipated += lost;
     report.losses.viscous += lost;
-    const bool driven = !springs_[k].to || !world.is_movable(world.slot_of(*springs_[k].to));
-    if (driven) report.work += clock.dt * p.force.dot(p.far.velocity);
+    report.work += clock.dt * p.force.dot(driven_rate(world, k, p));
   }
 }
 
