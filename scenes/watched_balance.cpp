@@ -18,13 +18,6 @@ constexpr double widest_band =
 constexpr double passing = 40;
 constexpr double noise_per_residual =
     1e3;  // velocity errors of a stack of 30 are 30 times those that the residual suggests
-
-/// What the ledger adds to the stored energies in its reference [J] (EnergyLedger::relative).
-double beside_stored(const StepView& view) {
-  const Energy& now = view.ledger.last();
-  const double fall = view.report.has_solver ? view.world.gravity.norm() * view.dt : 0.0;
-  return std::min(std::abs(now.work), now.dissipated) + 0.5 * view.totals().mass.value() * fall * fall;
-}
 }  // namespace
 
 void WatchedBalance::Swings::follow(double value, double band) {
@@ -107,7 +100,7 @@ void WatchedBalance::judge(const StepView& view, double known) {
   f.gained = state_.unexplained.risen() + f.put_in;
   f.lost = state_.unexplained.fallen();
   const double net = view.ledger.relative_error(), unexplained = view.ledger.unexplained_error();
-  const double given = known + beside_stored(view);  // what the ledger's errors are relative to
+  const double given = known + view.ledger.beside_stored();  // what the ledger's errors are relative to
   double exchanged = 0.0;
   const auto measure = [&](double noise) {
     const double least = std::numeric_limits<double>::min(), all = std::max(given + noise, least);

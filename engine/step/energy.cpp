@@ -99,11 +99,15 @@ double EnergyLedger::error() const {
   return now_.stored() - start_ + now_.dissipated - now_.work - std::min(gain, noise);
 }
 
-double EnergyLedger::relative(double error) const {
+double EnergyLedger::beside_stored() const {
   // passed through: given by driven bodies and sources, taken by contacts; what contacts alone take they could have
   // made
-  const double passed = std::min(std::abs(now_.work), now_.dissipated), fallen = 0.5 * mass_ * fall_ * fall_;
-  const double reference = largest_inner_ + (highest_potential_ - lowest_potential_) + passed + fallen;
+  const double passed = std::min(std::abs(now_.work), now_.dissipated);
+  return passed + 0.5 * mass_ * fall_ * fall_;
+}
+
+double EnergyLedger::relative(double error) const {
+  const double reference = largest_inner_ + (highest_potential_ - lowest_potential_) + beside_stored();
   // differences of large terms contain rounding: a body at rest at a large height has no energy error
   const double rounding =
       1e-14 * (std::abs(now_.potential) + std::abs(start_) + now_.kinetic + std::abs(now_.elastic) + now_.dissipated);

@@ -57,6 +57,8 @@ class EnergyLedger {
   double relative_error() const { return relative(error()); }
   /// The same without the energy of position correction.
   double unexplained_error() const { return relative(error() - now_.correction); }
+  /// What E_ref holds beside stored energies: min(|work|, dissipated) and a step of free fall [J].
+  double beside_stored() const;
   double stored(const World& world) const { return kinetic_energy(world) + potential_energy(world) + now_.elastic; }
   void visit(StateVisitor& visitor);
 
