@@ -164,7 +164,7 @@ RowBytes Part::contact_rows() const {
   pieces.with_moment = sim_.work.contacts.with_moment;
   for (std::size_t part = 0; part < model.own_parts(); ++part) {
     pieces.clear();
-    model.append_contacts(world, part, pieces);
+    model.append_contacts(world, part, {}, pieces);
     add(pieces, true);
   }
   return rows;

@@ -20,8 +20,9 @@ class ContactLayer : public ContactModel {
   void append_gaps(const World& world, std::size_t part, ContactSet& gaps) const override {
     below_->append_gaps(world, part, gaps);
   }
-  void append_contacts(const World& world, std::size_t part, ContactSet& contacts) const override {
-    below_->append_contacts(world, part, contacts);
+  void append_contacts(const World& world, std::size_t part, const Wanted& wanted,
+                       ContactSet& contacts) const override {
+    below_->append_contacts(world, part, wanted, contacts);
   }
   const ContactModel& below() const { return *below_; }
 

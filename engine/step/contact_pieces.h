@@ -28,18 +28,19 @@ class ContactPieces {
   /// consecutive: those of clumps stand by their balls, and a pair may extend over two pieces. Thread-safe.
   template <class F>
   void read_gaps(std::size_t piece, const F& f) const {
-    read_by(piece, &ContactModel::append_gaps, f);
+    read_by(piece, f, [&](std::size_t part, ContactSet& room) { model_->append_gaps(world_, part, room); });
   }
   /// The same with feature, normal, arm and force.
   template <class F>
   void read(std::size_t piece, const F& f) const {
-    read_by(piece, &ContactModel::append_contacts, f);
+    read_by(piece, f, [&](std::size_t part, ContactSet& room) { model_->append_contacts(world_, part, {}, room); });
   }
+  /// The wanted contacts with force, in canonical order.
+  ContactSet wanted(const ContactModel::Wanted& is_wanted) const;
 
  private:
-  using Append = void (ContactModel::*)(const World&, std::size_t, ContactSet&) const;
-  template <class F>
-  void read_by(std::size_t piece, Append append, const F& f) const {
+  template <class F, class Append>
+  void read_by(std::size_t piece, const F& f, const Append& append) const {
     if (!is_own(piece)) {
       f(contacts_, piece * sum_block, std::min(contacts_.size(), (piece + 1) * sum_block));
       return;
@@ -47,7 +48,7 @@ class ContactPieces {
     thread_local ContactSet room;
     room.clear();
     room.with_curvature = true;
-    (model_->*append)(world_, piece - known_, room);
+    append(piece - known_, room);
     f(room, std::size_t{0}, room.size());
   }
 

@@ -85,6 +85,8 @@ class NarrowPhase : public StepStage {
 /// velocity) and includes gravity and external forces of the step. Writes contacts.force.
 class ContactModel : public StepStage {
  public:
+  /// Whether contacts of two bodies are wanted; empty: all are.
+  using Wanted = std::function<bool(Slot a, Slot b)>;
   virtual void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) = 0;
   /// Adds the elastic energy of the present positions to report.elastic, for schemes without forces at the start.
   virtual void store(const World&, StepReport& /*report*/) {}
@@ -103,8 +105,8 @@ class ContactModel : public StepStage {
   virtual std::optional<std::size_t> own_count(std::size_t /*part*/) const { return 0; }
   /// Appends bodies and gaps of a part, in an order that depends on the state alone; thread-safe.
   virtual void append_gaps(const World&, std::size_t /*part*/, ContactSet& /*gaps*/) const {}
-  /// The same with feature, normal, arm and force.
-  virtual void append_contacts(const World&, std::size_t /*part*/, ContactSet& /*contacts*/) const {}
+  /// The same with feature, normal, arm and force, of the wanted ones.
+  virtual void append_contacts(const World&, std::size_t /*part*/, const Wanted&, ContactSet& /*contacts*/) const {}
 };
 
 /// Continuous collision detection: stops bodies whose collisions detection at the end of a drift would miss.

@@ -79,9 +79,9 @@ class RollingContact final : public ContactLayer {
     return static_cast<std::size_t>(std::ranges::count_if(forces_, touches));
   }
   void append_gaps(const World& world, std::size_t part, ContactSet& gaps) const override {
-    append_contacts(world, part, gaps);  // one or two a wheel
+    append_contacts(world, part, {}, gaps);  // one or two a wheel
   }
-  void append_contacts(const World& world, std::size_t part, ContactSet& contacts) const override;
+  void append_contacts(const World& world, std::size_t part, const Wanted& wanted, ContactSet& contacts) const override;
 
  private:
   const StripStart* start_of(const RollingRegion& r) const;
@@ -248,17 +248,18 @@ void RollingContact::reorder(const Reordering& change) {
 void RollingContact::publish(const World& world, ContactSet& contacts) const {
   ContactLayer::publish(world, contacts);
   if (published_) return;
-  append_contacts(world, ContactLayer::own_parts(), contacts);
+  append_contacts(world, ContactLayer::own_parts(), {}, contacts);
   published_ = true;
   contacts.sort();
 }
 
-void RollingContact::append_contacts(const World& world, std::size_t part, ContactSet& contacts) const {
-  if (part < ContactLayer::own_parts()) return ContactLayer::append_contacts(world, part, contacts);
+void RollingContact::append_contacts(const World& world, std::size_t part, const Wanted& wanted,
+                                     ContactSet& contacts) const {
+  if (part < ContactLayer::own_parts()) return ContactLayer::append_contacts(world, part, wanted, contacts);
   for (std::size_t k = 0; k < forces_.size(); ++k) {
     const RollingRegion& r = regions_.all[k];
     const RollingForce& f = forces_[k];
-    if (!f.touches) continue;
+    if (!f.touches || (wanted && !wanted(r.wheelset, r.track))) continue;
     const bool first = world.id[r.wheelset] < world.id[r.track];
     const Slot a = first ? r.wheelset : r.track, b = first ? r.track : r.wheelset;
     const Vec3 n = r.axes.col(2);

@@ -52,11 +52,11 @@ void BodyMeasure::sample(const StepView& view, std::vector<double>& values) {
 
 void ForceMeasure::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
-  const ContactSet& c = view.contacts;
   std::vector<char> mine(w.size(), 0);
   for (std::size_t k = 0; k < setup_.bodies[0].size(); ++k)
     if (const Slot s = w.slot_of(setup_.bodies[0][k]); s != no_slot) mine[s] = 1;
-  const Vec3 sum = block_sum<Weighed>(std::min(c.size(), c.force.size()), [&](std::size_t k) {
+  const ContactSet c = view.pieces().wanted([&](Slot a, Slot b) { return mine[a] != mine[b]; });
+  const Vec3 sum = block_sum<Weighed>(c.size(), [&](std::size_t k) {
                      return Weighed{(mine[c.a[k]] - mine[c.b[k]]) * c.force[k]};
                    }).sum;
   values = {sum.x(), sum.y(), sum.z()};

@@ -23,7 +23,7 @@ class ForceMeasure final : public Measure {
  public:
   explicit ForceMeasure(MeasureSetup setup) : setup_(std::move(setup)) {}
   std::vector<std::string> components() const override { return {"x", "y", "z"}; }
-  ContactView wants_contacts() const override { return ContactView::all; }
+  ContactView wants_contacts() const override { return ContactView::pieces; }
   void sample(const StepView& view, std::vector<double>& values) override;
 
  private:

@@ -19,17 +19,18 @@ ContactMeasure::ContactMeasure(MeasureSetup setup) : setup_(std::move(setup)) {
 
 void ContactMeasure::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
-  const ContactSet& c = view.contacts;
   const auto side = [&](Slot s) {
     const auto id = static_cast<std::size_t>(w.id[s]);
     return id < side_.size() ? side_[id] : char{0};
   };
+  const ContactSet c = view.pieces().wanted([&](Slot s, Slot t) {
+    const char a = side(s), b = side(t);
+    return (a & 1 && b & 2) || (a & 2 && b & 1);
+  });
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   values = {0, 0, 0, 0, nan, nan, nan, 0};
   double deepest = 0;
   for (std::size_t k = 0; k < c.size(); ++k) {
-    const char a = side(c.a[k]), b = side(c.b[k]);
-    if (!((a & 1 && b & 2) || (a & 2 && b & 1)) || k >= c.force.size()) continue;
     const double normal_force = -c.force[k].dot(c.normal[k]);
     if (c.gap[k] >= 0 && normal_force == 0) continue;
     values[1] += normal_force;

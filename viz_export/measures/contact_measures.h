@@ -12,7 +12,7 @@ class ContactMeasure final : public Measure {
   std::vector<std::string> components() const override {
     return {"overlap", "normal_force", "tangential_force", "slip", "point_x", "point_y", "point_z", "count"};
   }
-  ContactView wants_contacts() const override { return ContactView::all; }
+  ContactView wants_contacts() const override { return ContactView::pieces; }
   void sample(const StepView& view, std::vector<double>& values) override;
 
  private:

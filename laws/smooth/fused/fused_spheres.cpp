@@ -150,10 +150,11 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     });
     make_room(at);
   }
-  void append_contacts(const World& world, std::size_t part, ContactSet& contacts) const override {
+  void append_contacts(const World& world, std::size_t part, const Wanted& wanted,
+                       ContactSet& contacts) const override {
     const SphereContacts all(world, blocks_);
     const SphereContacts::LoadOf load = loads(world);
-    for (const SphereContact& c : all.sorted(static_cast<std::uint32_t>(part))) {
+    for (const SphereContact& c : all.sorted(static_cast<std::uint32_t>(part), wanted)) {
       const NamedContact n = all.named(c, load);
       contacts.append(n.a, n.b, n.point);
       contacts.force.push_back(n.on_a.force);
