@@ -431,36 +431,3 @@ TEST_CASE("corners without faces are read where a hull is taken of them", "[dete
   CHECK_THROWS_WITH(read_obj("# nothing\n", "a.obj", MeshFaces::optional),
                     Equals("a.obj: error: the file has no corner"));
 }
-
-TEST_CASE("triangles are read from a table of nine columns, with names and units or without",
-          "[detection][mesh-file]") {
-  const TriangleSurface box = box_surface({1, 2, 3});
-  for (const auto& [header, factor, gap] : {std::tuple("", 1.0, " "),
-                                            {"x1 y1 z1 x2 y2 z2 x3 y3 z3\n", 1.0, "\t"},
-                                            {"X[mm],Y[mm],Z[mm],X[mm],Y[mm],Z[mm],X[mm],Y[mm],Z[mm]\n", 1e3, ","}}) {
-    std::string text = header;
-    for (const Triangle& t : box.triangles) {
-      std::vector<double> row;
-      for (const std::uint32_t v : t)
-        for (int k = 0; k < 3; ++k) row.push_back(factor * box.vertices[v][k]);
-      text += fmt::format("{}\n", fmt::join(row, gap));
-    }
-    const MeshFile mesh = read_triangle_table(text, "box.txt");
-    CHECK(mesh.surface.triangles.size() == 12);
-    CHECK(mesh.report.is_watertight());
-    CHECK(mesh.report.volume == Approx(surface_mass_properties(box.vertices, box.triangles).mass));
-  }
-  CHECK_THROWS_WITH(read_triangle_table("0 0 0 1 0 0 0 1\n", "a.txt"), Contains("a.txt:1:") && Contains("8 columns"));
-  CHECK_THROWS_WITH(read_triangle_table("0 0 0 1 0 0 0 1 q\n", "a.txt"), Contains("expected a number, found 'q'"));
-}
-
-TEST_CASE("what a PLY file does not need may be no number", "[detection][mesh-file]") {
-  const std::string ply =
-      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float quality\nproperty float y\n"
-      "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
-      "0 nan 0 0\n1 - 2 0\n0 1e999 1 3\n3 0 1 2\n";
-  const MeshFile mesh = read_ply(ply, "a.ply");
-  CHECK(mesh.surface.vertices[1] == Vec3(1, 2, 0));
-  CHECK_THROWS_AS(read_ply(ply.substr(0, ply.find("0 nan")) + "nan 0 0 0\n0 0 0 0\n0 0 0 0\n3 0 1 2\n", "a.ply"),
-                  SceneError);
-}
