@@ -160,6 +160,7 @@ struct GroupSpec {
   std::string group{};                ///< a name that it shares with others; may be empty
   std::size_t stage = 0;              ///< that adds it, index in Scene::stages
   std::optional<std::size_t> from{};  ///< its number among the groups of the run that the scene starts from
+  bool is_left_out = false;           ///< [start] takes none of its bodies
 };
 
 /// Name of the k-th body of a group: "stack[3]", "grid[0,1,2]" or the plain name; empty where the group has none.

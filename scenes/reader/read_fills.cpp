@@ -3,6 +3,7 @@
 
 #include "scenes/generators.h"
 #include "scenes/reader/parts.h"
+#include "scenes/start_run.h"
 
 namespace epafi {
 namespace {
@@ -101,6 +102,19 @@ void read_pouring(Reading& reading, const TableValues& v, const std::string& lab
   if (fill.full) reading.error(v.place, label + ": method 'pour' needs count or mass, a region never gets full");
 }
 
+/// A fill of the run that the scene starts from adds no bodies; it says so where it is written with another amount.
+void tell_overruled(Draft& draft, const FillSpec& fill) {
+  const auto is_same = [&fill](const FillSpec& f) {
+    return f.name == fill.name && f.method == fill.method && f.count == fill.count && f.mass == fill.mass &&
+           f.full == fill.full && f.rate == fill.rate && f.mass_rate == fill.mass_rate &&
+           f.region.min == fill.region.min && f.region.max == fill.region.max;
+  };
+  if (std::ranges::any_of(draft.scene.start->made->assembly->scene.fills, is_same)) return;
+  draft.reading.warning(fill.place, "[[fill]] '" + fill.name +
+                                        "' is one of the run that the scene starts from and adds no bodies; give it "
+                                        "another name to add some");
+}
+
 void read_fill(Draft& draft, const Node& item) {
   Reading& reading = draft.reading;
   const std::string label = item_label("fill", item);
@@ -114,11 +128,14 @@ void read_fill(Draft& draft, const Node& item) {
                                           : "fill" + std::to_string(draft.scene.fills.size() + 1);
   const auto of_run = [&](const GroupSpec& g) { return g.from && g.name == fill.name; };
   const bool named = values.has("name"), imported = std::ranges::any_of(draft.scene.groups, of_run);
-  if (imported && (named || draft.scene.start->goes_on)) return;  // its bodies are those of the run
-  for (std::size_t n = 2; std::ranges::any_of(draft.scene.groups, of_run); ++n) fill.name = "fill" + std::to_string(n);
-  draft.scene.changes_bodies =
-      draft.scene.changes_bodies || (fill.stage == draft.stage && (draft.scene.start || draft.stage > 0));
-  check_group_name(draft, fill.name, values.written("name") ? values.place_of("name") : item.place);
+  const bool is_of_run = imported && (named || draft.scene.start->goes_on);
+  if (!is_of_run) {
+    for (std::size_t n = 2; std::ranges::any_of(draft.scene.groups, of_run); ++n)
+      fill.name = "fill" + std::to_string(n);
+    draft.scene.changes_bodies =
+        draft.scene.changes_bodies || (fill.stage == draft.stage && (draft.scene.start || draft.stage > 0));
+    check_group_name(draft, fill.name, values.written("name") ? values.place_of("name") : item.place);
+  }
   read_shapes_of(draft, values, label, fill);
   read_amount(reading, values, label, fill);
   read_size(reading, values, label, fill);
@@ -136,6 +153,7 @@ void read_fill(Draft& draft, const Node& item) {
   fill.seed = static_cast<std::uint64_t>(values.number_or("seed", static_cast<double>(draft.scene.run.seed)));
   if (values.has("velocity")) fill.velocity = values.vec3("velocity");
   fill.velocity_deviation = values.number_or("velocity_deviation", 0.0);
+  if (is_of_run) return tell_overruled(draft, fill);
   draft.scene.fills.push_back(std::move(fill));
 }
 

@@ -151,6 +151,16 @@ struct Import {
   }
 };
 
+/// A group of the run that is left out as a whole: its name is free for this scene.
+void leave_out_groups(Scene& scene, const std::vector<char>& left_out) {
+  for (GroupSpec& group : scene.groups) {
+    const auto begin = left_out.begin() + static_cast<std::ptrdiff_t>(group.first);
+    const auto end = begin + static_cast<std::ptrdiff_t>(group.count);
+    group.is_left_out = group.count > 0 && std::find(begin, end, char{0}) == end;
+    if (group.is_left_out) group.name.clear();
+  }
+}
+
 /// Removes bodies that are not named or not in the region; the others keep names and numbers.
 void select(Draft& draft, const TableValues& v) {
   auto& bodies = draft.scene.bodies;
@@ -177,13 +187,14 @@ void select(Draft& draft, const TableValues& v) {
       if ((x.array() < low.array()).any() || (x.array() > high.array()).any()) keep[k] = 0;
     }
   }
-  std::size_t left = 0;
+  std::vector<char> left_out(bodies.size(), 0);
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    if (keep[k] || bodies[k].absent) continue;
-    bodies[k].absent = true;
-    ++left;
+    left_out[k] = !keep[k] && !bodies[k].absent;
+    if (left_out[k]) bodies[k].absent = true;
   }
-  if (left > 0 && draft.stage == 0) draft.scene.changes_bodies = true;
+  leave_out_groups(draft.scene, left_out);
+  const bool any = std::ranges::find(left_out, 1) != left_out.end();
+  if (any && draft.stage == 0) draft.scene.changes_bodies = true;
 }
 
 /// Reports keys that would be ignored.
@@ -263,7 +274,7 @@ std::optional<std::size_t> imported_like(const Draft& draft, std::size_t own) {
   const Scene& there = scene.start->made->assembly->scene;
   for (std::size_t g = 0; g < own; ++g) {
     const GroupSpec& other = scene.groups[g];
-    if (!other.from) continue;
+    if (!other.from || other.is_left_out) continue;
     if (!group.name.empty() || !other.name.empty()) {
       if (group.name == other.name) return g;
       continue;
@@ -278,6 +289,27 @@ std::optional<std::size_t> imported_like(const Draft& draft, std::size_t own) {
     if (same) return g;
   }
   return std::nullopt;
+}
+
+/// What this scene says about a body of the run and the run overrules.
+void tell_overruled(Draft& draft, const GroupSpec& own, const GroupSpec& old) {
+  const Scene& there = draft.scene.start->made->assembly->scene;
+  if (*old.from >= there.groups.size()) return;
+  bool moved = false, reshaped = false;
+  for (std::size_t k = 0; k < own.count; ++k) {
+    const BodySpec& now = draft.scene.bodies[own.first + k];
+    const BodySpec& then = there.bodies[there.groups[*old.from].first + k];
+    moved = moved || !same_place(now, then) || now.velocity != then.velocity ||
+            now.angular_velocity != then.angular_velocity;
+    reshaped = reshaped || draft.scene.shapes[now.shape].type != there.shapes[then.shape].type;
+  }
+  const std::string of_run = "[[body]] '" + own.name + "' is a body of the run that the scene starts from";
+  if (moved)
+    draft.reading.warning(own.place, of_run + ": place and velocity are those of there, not the ones written here");
+  if (reshaped)
+    draft.reading.warning(own.place, of_run +
+                                         ", with another shape: it stands where that one stood; give it another "
+                                         "name, and leave that one out by [start] bodies or region, to place it");
 }
 
 }  // namespace
@@ -300,6 +332,7 @@ void settle_imported(Draft& draft) {
     return draft.reading.error(
         group.place, fmt::format("'{}' has {} bodies in the run that the scene starts from, here {}", group.name,
                                  old.count, group.count));
+  tell_overruled(draft, group, old);
   bool differs = false;
   for (std::size_t k = 0; k < group.count; ++k) {
     BodySpec now = std::move(scene.bodies[group.first + k]);
