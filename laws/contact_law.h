@@ -201,16 +201,10 @@ struct RollingStepOf {
 };
 using RollingStep = RollingStepOf<double>;
 
-/// A rolling spring (stiffness 0: none) and dashpot with a limit of their moment.
+/// Resistance to rolling: the parameters of AnyRolling (laws/smooth/rolling.h), or none.
 template <class L>
-concept RollingLaw = LawPart<L> && requires(const typename L::Parameters& p, const RollingStep& step) {
+concept RollingLaw = LawPart<L> && requires {
   { L::is_present } -> std::convertible_to<bool>;
-  { L::stiffness(p, step) } -> std::same_as<double>;  ///< [N m/rad]
-  { L::limit(p, step) } -> std::same_as<double>;      ///< [N m]
-  { L::damping(p, step) } -> std::same_as<double>;    ///< [N m s]
-  {
-    L::stops_at_once(p)
-    } -> std::same_as<bool>;  ///< its dashpot may stop a spin within one step (laws/smooth/damper.h)
 };
 
 inline Field optional_field(const char* name, const char* symbol, const char* unit, Kind kind, const Range& range,

@@ -13,6 +13,8 @@ Eigen::MatrixXd transposed_product(const Eigen::MatrixXd& a, const Eigen::Matrix
 Eigen::VectorXd solve_lu(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) { return a.partialPivLu().solve(b); }
 Eigen::MatrixXd solve_lu(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) { return a.partialPivLu().solve(b); }
 Eigen::VectorXd solve_ldlt(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) { return a.ldlt().solve(b); }
+Six solve_llt(const Eigen::Matrix<double, 6, 6>& a, const Six& x) { return a.llt().solve(x); }
+Six solve_root(const Eigen::Matrix<double, 6, 6>& a, const Six& x) { return a.llt().matrixL().solve(x); }
 
 Eigen::MatrixXd semidefinite_root(const Eigen::MatrixXd& w) {
   const Eigen::LDLT<Eigen::MatrixXd> factor(w);

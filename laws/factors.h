@@ -18,6 +18,11 @@ Eigen::MatrixXd solve_lu(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 /// L D L^T of a symmetric semidefinite matrix.
 Eigen::VectorXd solve_ldlt(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 
+/// (L L^T)^-1 x, or L^-1 x, of a positive definite matrix L L^T.
+using Six = Eigen::Matrix<double, 6, 1>;
+Six solve_llt(const Eigen::Matrix<double, 6, 6>& a, const Six& x);
+Six solve_root(const Eigen::Matrix<double, 6, 6>& a, const Six& x);
+
 /// A of A^T A = w, w symmetric semidefinite but for rounding.
 Eigen::MatrixXd semidefinite_root(const Eigen::MatrixXd& w);
 

@@ -89,4 +89,18 @@ void LaneGroups::form_color(const Coloring& coloring, std::size_t color, Slot no
   for (std::size_t g = 0; g < groups.size(); ++g) row_end_[first + g] = std::ranges::max(groups[g].count);
 }
 
+void LaneGroups::each(bool pays, const std::function<void(const LaneGroup&)>& f) const {
+  const SharedOut meter(pays);
+  const std::size_t threads = pays ? static_cast<std::size_t>(thread_count()) : 1;
+  parallel_blocks(threads, 1, [&](std::size_t t, std::size_t, std::size_t) {
+    for (std::size_t s = 0; s < stages(); ++s) {
+      const std::size_t pieces = (size(s) + piece(s) - 1) / piece(s);
+      const auto place = [&](std::size_t run) {
+        return begin_[s] + std::min(size(s), pieces * run / threads * piece(s));
+      };
+      for (std::size_t g = place(t); g < place(t + 1); ++g) f(groups_[g]);
+    }
+  });
+}
+
 }  // namespace epafi

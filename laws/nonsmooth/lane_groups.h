@@ -2,6 +2,7 @@
 /// (lane_sweep.h). Each thread has the same part of every colour, so that it accesses the same bodies.
 #pragma once
 #include <array>
+#include <functional>
 #include <span>
 
 #include "engine/lanes/lanes.h"
@@ -43,8 +44,7 @@ class LaneGroups {
   /// Groups in stages that threads share.
   std::size_t shared() const { return shared_; }
   /// f(group) for all; `pays`: each by the thread that has its rows in the sweeps.
-  template <class F>
-  void each(bool pays, const F& f) const;
+  void each(bool pays, const std::function<void(const LaneGroup&)>& f) const;
 
  private:
   void find_stages(const Coloring& coloring);
@@ -56,20 +56,5 @@ class LaneGroups {
   std::size_t shared_ = 0;
   std::vector<std::uint32_t> row_end_;  ///< by group
 };
-
-template <class F>
-void LaneGroups::each(bool pays, const F& f) const {
-  const SharedOut meter(pays);
-  const std::size_t threads = pays ? static_cast<std::size_t>(thread_count()) : 1;
-  parallel_blocks(threads, 1, [&](std::size_t t, std::size_t, std::size_t) {
-    for (std::size_t s = 0; s < stages(); ++s) {
-      const std::size_t pieces = (size(s) + piece(s) - 1) / piece(s);
-      const auto place = [&](std::size_t run) {
-        return begin_[s] + std::min(size(s), pieces * run / threads * piece(s));
-      };
-      for (std::size_t g = place(t); g < place(t + 1); ++g) f(groups_[g]);
-    }
-  });
-}
 
 }  // namespace epafi

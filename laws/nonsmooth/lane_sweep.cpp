@@ -216,6 +216,49 @@ void load_lane(const ContactProblem& problem, std::size_t i, double offset, cons
 
 }  // namespace
 
+/// True if several threads are faster: half of the sweep takes longer than the waits between its stages. (8 large
+/// spheres among 8000 small ones, two threads: contacts of a step 0.72 ms with this test, 0.93 without; one thread
+/// 0.63.)
+bool LaneLoops::pays() const {
+  constexpr double stage = 1e-6;  // 0.5 to 2.5 us, depending on the latency between processors
+  if (groups_->shared() == 0) return false;
+  const double part = static_cast<double>(groups_->shared()) / static_cast<double>(groups_->size());
+  return 0.5 * part * row_time_ * static_cast<double>(groups_->rows()) >
+         stage * static_cast<double>(groups_->stages() + 1);
+}
+
+double LaneLoops::run_stages(const Body& body, bool measured) {
+  const LaneGroup* const groups = groups_->data();
+  const std::size_t stages = groups_->stages();
+  const std::span<const double> changes(change_.data(), change_.size());
+  sums_.assign(measured ? (changes.size() + sum_block - 1) / sum_block : 0, {});
+  const auto sum = [&](std::size_t k) {
+    sums_[k].add(changes.subspan(k * sum_block, std::min(sum_block, changes.size() - k * sum_block)));
+  };
+  // part of the last stage: a separate loop would take 7 of 180 us (5000 stones, two threads)
+  parallel_stages(
+      stages + std::size_t{measured}, pays(),
+      [&](std::size_t s) { return s < stages ? groups_->size(s) : sums_.size(); },
+      [&](std::size_t s) { return s < stages ? groups_->piece(s) : 1; },
+      [&](std::size_t s, std::size_t b, std::size_t e) {
+        if (s < stages) {
+          const LaneGroup* const first = groups + groups_->begin(s);
+          return body(first + b, first + e, groups + groups_->begin(s + 1));
+        }
+        for (std::size_t k = b; k < e; ++k) sum(k);
+      });
+  OrderFreeSum total;
+  for (const OrderFreeSum& part : sums_) total += part;
+  return measured ? value_of(total, changes.size(), [&](std::size_t i) { return changes[i]; }) : 0.0;
+}
+
+void LaneLoops::run_groups(std::size_t first, std::size_t last, const Body& body) const {
+  const LaneGroup* const groups = groups_->data();
+  parallel_blocks(last - first, LaneGroups::grain, [&](std::size_t b, std::size_t e, std::size_t) {
+    body(groups + first + b, groups + first + e, groups + last);
+  });
+}
+
 template <bool Rotates, LaneRule Rule>
 void LaneSweep<Rotates, Rule>::load(const ContactProblem& problem, const LaneGroups& groups,
                                     std::span<const double> offset, std::span<const Vec3> lag, const Impulses& r,
@@ -254,44 +297,17 @@ void LaneSweep<Rotates, Rule>::load_bodies(const ContactProblem& problem, const 
   });
 }
 
-/// True if several threads are faster: half of the sweep takes longer than the waits between its stages. (8 large
-/// spheres among 8000 small ones, two threads: contacts of a step 0.72 ms with this test, 0.93 without; one thread
-/// 0.63.)
 template <bool Rotates, LaneRule Rule>
-bool LaneSweep<Rotates, Rule>::pays() const {
-  constexpr double row = (Rule::rows + 2) * (Rotates ? 10e-9 : 6e-9);  // Zen 5: 30, 50 and 15, 30 ns with 1, 3 rows
-  constexpr double stage = 1e-6;  // 0.5 to 2.5 us, depending on the latency between processors
-  if (groups_->shared() == 0) return false;
-  const double part = static_cast<double>(groups_->shared()) / static_cast<double>(groups_->size());
-  return 0.5 * part * row * static_cast<double>(groups_->rows()) > stage * static_cast<double>(groups_->stages() + 1);
+LaneLoops::Body LaneSweep<Rotates, Rule>::task(const Rule& rule) {
+  return [this, &rule](const LaneGroup* begin, const LaneGroup* end, const LaneGroup* last) {
+    run_four(ColorTask<Rotates, Rule>{begin, end, last, rows_.data(), bodies_.data(),
+                                      change_.data() + lane_count * (begin - groups_->data()), rule});
+  };
 }
 
 template <bool Rotates, LaneRule Rule>
 double LaneSweep<Rotates, Rule>::run(const Rule& rule, bool measured) {
-  using Task = ColorTask<Rotates, Rule>;
-  const auto some = [&](std::size_t s, std::size_t begin, std::size_t end) {
-    const LaneGroup* const groups = groups_->data();
-    run_four(Task{groups + begin, groups + end, groups + groups_->begin(s + 1), rows_.data(), bodies_.data(),
-                  change_.data() + lane_count * begin, rule});
-  };
-  const std::size_t stages = groups_->stages();
-  const std::span<const double> changes(change_.data(), change_.size());
-  sums_.assign(measured ? (changes.size() + sum_block - 1) / sum_block : 0, {});
-  const auto sum = [&](std::size_t k) {
-    sums_[k].add(changes.subspan(k * sum_block, std::min(sum_block, changes.size() - k * sum_block)));
-  };
-  // part of the last stage: a separate loop would take 7 of 180 us (5000 stones, two threads)
-  parallel_stages(
-      stages + std::size_t{measured}, pays(),
-      [&](std::size_t s) { return s < stages ? groups_->size(s) : sums_.size(); },
-      [&](std::size_t s) { return s < stages ? groups_->piece(s) : 1; },
-      [&](std::size_t s, std::size_t b, std::size_t e) {
-        if (s < stages) return some(s, groups_->begin(s) + b, groups_->begin(s) + e);
-        for (std::size_t k = b; k < e; ++k) sum(k);
-      });
-  OrderFreeSum total;
-  for (const OrderFreeSum& part : sums_) total += part;
-  return measured ? value_of(total, changes.size(), [&](std::size_t i) { return changes[i]; }) : 0.0;
+  return run_stages(task(rule), measured);
 }
 
 template <bool Rotates, LaneRule Rule>
@@ -305,22 +321,16 @@ void LaneSweep<Rotates, Rule>::store(Impulses& r) const {
 
 template <bool Rotates, LaneRule Rule>
 void LaneSweep<Rotates, Rule>::run_color(const Rule& rule, std::size_t color) {
-  using Task = ColorTask<Rotates, Rule>;
-  const std::size_t first = groups_->color_begin(color), last = groups_->color_begin(color + 1);
-  parallel_blocks(last - first, LaneGroups::grain, [&](std::size_t b, std::size_t e, std::size_t) {
-    const LaneGroup* const groups = groups_->data();
-    run_four(Task{groups + first + b, groups + first + e, groups + last, rows_.data(), bodies_.data(),
-                  change_.data() + lane_count * (first + b), rule});
-  });
+  run_groups(groups_->color_begin(color), groups_->color_begin(color + 1), task(rule));
 }
 
 template <bool Rotates, LaneRule Rule>
 std::span<const double> LaneSweep<Rotates, Rule>::natural_squares(double rho) const requires(Rule::rows == 3) {
   if constexpr (Rule::rows == 3) {  // Clang 14: see angular()
     renew(squares_, lane_count * groups_->size());
-    parallel_blocks(groups_->size(), LaneGroups::grain, [&](std::size_t b, std::size_t e, std::size_t) {
-      run_four(NaturalMapTask<Rotates, Rule>{groups_->data() + b, groups_->data() + e, rows_.data(), bodies_.data(),
-                                             squares_.data() + lane_count * b, rho});
+    run_groups(0, groups_->size(), [this, &rho](const LaneGroup* begin, const LaneGroup* end, const LaneGroup*) {
+      run_four(NaturalMapTask<Rotates, Rule>{begin, end, rows_.data(), bodies_.data(),
+                                             squares_.data() + lane_count * (begin - groups_->data()), rho});
     });
   }
   return {squares_.data(), squares_.size()};

@@ -3,6 +3,7 @@
 /// perf/solvers.cpp.
 #pragma once
 #include <array>
+#include <functional>
 #include <span>
 #include <type_traits>
 
@@ -21,9 +22,31 @@ concept LaneRule = requires(const R& rule, typename R::LaneData& data, const Con
   rule.update(data, mu, r, u);  ///< changes r
 };
 
+/// Loops over groups of contacts, the same for all rules.
+class LaneLoops {
+ protected:
+  /// The groups from begin to end, of a stage that ends with `last`.
+  using Body = std::function<void(const LaneGroup* begin, const LaneGroup* end, const LaneGroup* last)>;
+
+  explicit LaneLoops(double row_time) : row_time_(row_time) {}
+  /// Stage after stage; returns the sum of change_ where it is measured.
+  double run_stages(const Body& body, bool measured);
+  /// Groups `first` to `last`, which share no body that moves.
+  void run_groups(std::size_t first, std::size_t last, const Body& body) const;
+  bool pays() const;
+
+  const LaneGroups* groups_ = nullptr;  ///< of the problem
+  UnwrittenStream<double> change_;      ///< of each pair in the last sweep, squared; 0 of empty lanes
+
+ private:
+  double row_time_;                 ///< of a row in a sweep [s]
+  std::vector<OrderFreeSum> sums_;  ///< of change_, by blocks
+};
+
 template <bool Rotates, LaneRule Rule>
-class LaneSweep {
+class LaneSweep : LaneLoops {
  public:
+  LaneSweep() : LaneLoops((Rule::rows + 2) * (Rotates ? 10e-9 : 6e-9)) {}  // Zen 5: 30, 50 and 15, 30 ns, 1 or 3 rows
   /// Packs the problem; velocities start as v (those of r).
   void load(const ContactProblem& problem, const Impulses& r, const BodyVelocities& v) {
     load(problem, problem.offset, problem.lag, r, v);
@@ -81,13 +104,10 @@ class LaneSweep {
 
  private:
   void load_bodies(const ContactProblem& problem, const BodyVelocities& v);
-  bool pays() const;
+  LaneLoops::Body task(const Rule& rule);
 
-  const LaneGroups* groups_ = nullptr;  ///< of the problem
-  UnwrittenColumn<Body> bodies_;        ///< the last one is that of empty lanes
+  UnwrittenColumn<Body> bodies_;  ///< the last one is that of empty lanes
   UnwrittenStream<Row> rows_;
-  UnwrittenStream<double> change_;  ///< of each pair in the last sweep, squared; 0 of empty lanes
-  std::vector<OrderFreeSum> sums_;  ///< of those, by blocks
   mutable UnwrittenStream<double> squares_;
 };
 

@@ -1,7 +1,5 @@
 #include "laws/nonsmooth/no_solution.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -13,6 +11,7 @@ namespace epafi {
 namespace {
 
 constexpr double no_distance = 1e-7;          // of the normalised problem: a distance that counts as 0
+constexpr double dependent = 1e-13;           // of a column's length: what is left of it is rounding
 constexpr double machine_rounding = 2.2e-16;  // rounding
 
 /// Columns of the least-squares problem: for contact i its row of W^(1/2) over its length, and below it q_N likewise.
@@ -34,9 +33,8 @@ Eigen::MatrixXd body_columns(const ConeProblem& p, const std::vector<std::uint32
     for (std::size_t s = 0; s < 2; ++s) {
       const ConeProblem::Row& row = p.rows[chosen[k]];
       if (row.body[s] == ConeProblem::no_body) continue;
-      const Mat6 root = p.mass[row.body[s]].llt().matrixL();
       a.block<6, 1>(6 * static_cast<Eigen::Index>(place[row.body[s]]), static_cast<Eigen::Index>(k)) =
-          root.triangularView<Eigen::Lower>().solve(row.jacobian[s].col(0));
+          solve_root(p.mass[row.body[s]], row.jacobian[s].col(0));
     }
   return a;
 }
@@ -72,26 +70,51 @@ NormalColumns columns_of(const ConeProblem& p, const std::vector<std::uint32_t>&
   return out;
 }
 
-/// Least |A x - b| over x >= 0 by an active set (Lawson and Hanson 1974), in the range of A alone.
-Eigen::VectorXd nonnegative_squares(const Eigen::MatrixXd& all, const Eigen::VectorXd& right) {
-  const Eigen::Index n = all.cols(), rows = std::min(n, all.rows());
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> reduced(all);
-  const Eigen::MatrixXd upper = reduced.matrixQR().topRows(rows).triangularView<Eigen::Upper>();
-  const Eigen::MatrixXd a = upper * reduced.colsPermutation().transpose();
-  const Eigen::VectorXd b = Eigen::VectorXd(reduced.householderQ().transpose() * right).head(rows);
+/// Least |A z - b| over the held columns by the modified Gram-Schmidt process, backward stable (Bjorck 1967). A column
+/// that depends on those before it gets 0.
+Eigen::VectorXd least_squares(const Eigen::MatrixXd& a, const std::vector<Eigen::Index>& held, Eigen::VectorXd b) {
+  const auto n = static_cast<Eigen::Index>(held.size());
+  Eigen::MatrixXd q(a.rows(), n), upper = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd z = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    q.col(k) = a.col(held[static_cast<std::size_t>(k)]);
+    const double whole = q.col(k).norm();
+    for (Eigen::Index j = 0; j < k; ++j) {
+      upper(j, k) = q.col(j).dot(q.col(k));
+      q.col(k) -= upper(j, k) * q.col(j);
+    }
+    const double rest = q.col(k).norm();
+    upper(k, k) = rest > dependent * whole ? rest : infinity;
+    q.col(k) /= upper(k, k);
+    z(k) = q.col(k).dot(b);
+    b -= z(k) * q.col(k);
+  }
+  for (Eigen::Index k = n; k-- > 0;) {
+    for (Eigen::Index j = k + 1; j < n; ++j) z(k) -= upper(k, j) * z(j);
+    z(k) /= upper(k, k);
+  }
+  return z;
+}
+
+/// Least |A x - b| over x >= 0 by an active set (Lawson and Hanson 1974).
+Eigen::VectorXd nonnegative_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
+  const Eigen::Index n = a.cols();
   Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
   std::vector<Eigen::Index> held;
   for (Eigen::Index round = 0; round < 3 * n; ++round) {
-    const Eigen::VectorXd rest = b - a * x, pull = a.transpose() * rest;
+    const Eigen::VectorXd rest = b - a * x;
     if (rest.norm() < no_distance) break;
     Eigen::Index best = -1;
+    double pull = 1e-12;
     for (Eigen::Index k = 0; k < n; ++k)
-      if (std::find(held.begin(), held.end(), k) == held.end() && pull(k) > 1e-12 && (best < 0 || pull(k) > pull(best)))
+      if (const double of_k = a.col(k).dot(rest); of_k > pull && std::find(held.begin(), held.end(), k) == held.end()) {
         best = k;
+        pull = of_k;
+      }
     if (best < 0) break;
     held.push_back(best);
     while (!held.empty()) {
-      const Eigen::VectorXd z = a(Eigen::all, held).colPivHouseholderQr().solve(b);
+      const Eigen::VectorXd z = least_squares(a, held, b);
       double step = 1.0;
       for (std::size_t k = 0; k < held.size(); ++k)
         if (const auto j = static_cast<Eigen::Index>(k); z(j) <= 0.0)

@@ -1,8 +1,8 @@
 #include "laws/nonsmooth/true_residual.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
+#include "laws/factors.h"
 #include "laws/nonsmooth/twofold.h"
 
 namespace epafi {
@@ -14,12 +14,11 @@ using Precise = std::array<Twofold, N>;
 
 /// M v = f of one body, by doubles and three corrections by what is left.
 Precise<6> solve_body(const Mat6& mass, const Precise<6>& f) {
-  const Eigen::LLT<Mat6> factor(mass);
   Precise<6> v{}, rest = f;
   for (int round = 0; round < 4; ++round) {
     Vec6 right;
     for (int k = 0; k < 6; ++k) right(k) = rest[static_cast<std::size_t>(k)].value();
-    const Vec6 change = factor.solve(right);
+    const Vec6 change = solve_llt(mass, right);
     for (std::size_t k = 0; k < 6; ++k) v[k] += change(static_cast<int>(k));
     rest = f;
     for (std::size_t k = 0; k < 6; ++k)

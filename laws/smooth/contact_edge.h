@@ -34,13 +34,11 @@ inline double edge_weight(double p, double theta) {
   return -zeta;
 }
 
-/// A law whose elastic and viscous parts are powers of the overlap: N = max(0, E + V), E ~ delta^n, V ~ delta^q
-/// delta_dot.
+/// A law whose elastic part is a power of the overlap: N = max(0, E + V), E ~ delta^n, with V ~ delta^q delta_dot of
+/// the dashpot that it tells, q its growth.
 template <class L>
-concept PowerParts = requires(const typename L::Parameters& p, const ContactKinematics& c) {
+concept PowerParts = requires(const typename L::Parameters& p) {
   { L::elastic_power(p) } -> std::same_as<double>;
-  { L::viscous_power(p) } -> std::same_as<double>;
-  { L::viscous(p, c) } -> std::same_as<double>;  ///< V before the force is kept from pulling [N]
 };
 
 /// The response at a step, weighed where it is the first or last of the contact. `plain`: what the law says at c.
@@ -49,7 +47,7 @@ NormalResponse weigh_edge(const typename L::Parameters& p, const ContactKinemati
                           const NormalResponse& plain) {
   const double speed = std::abs(c.approach_velocity), h = speed * dt;
   if (!(h > 0.0) || c.overlap > 8.0 * h) return plain;
-  const double n = L::elastic_power(p), q = L::viscous_power(p), V = L::viscous(p, c);
+  const double n = L::elastic_power(p), q = plain.growth, V = c.viscous(plain.dashpot, plain.stiffness);
   NormalResponse out = plain;
   // while leaving, a damped force ends above delta = 0: linearly, with slope (n E + q V)/delta
   const bool ends_damped = q < n && c.approach_velocity < 0.0 && -V > 0.1 * plain.elastic_force;

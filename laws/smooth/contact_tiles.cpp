@@ -241,21 +241,15 @@ class TileLoop {
   EPAFI_LANES void add_up_all() {
     for (std::size_t k = 0; k < t.count; ++k) {
       const bool counts = world.counts(slot_a[k], slot_b[k]);
-      if (!counts) [[unlikely]]
-        leave_out(k);
-      else if (world.inverse_mass[slot_a[k]] * world.inverse_mass[slot_b[k]] == 0.0)
+      if (!counts) [[unlikely]] {
+        t.leave_out(k);
+        --total.touching;
+      } else if (world.inverse_mass[slot_a[k]] * world.inverse_mass[slot_b[k]] == 0.0)
         driven += driven_power(call, at[k]);
     }
     if (!law.needs.friction) return total_up<n, false>(t, total, true, call.lag > 0.0, law.needs.normal);
     add_up<n>(t, twice_before, &Group::energy);
     total_up<n, true>(t, total, true, call.lag > 0.0, law.needs.normal);
-  }
-  /// A contact that another process counts.
-  EPAFI_LANES void leave_out(std::size_t k) {
-    Group& c = t.group[k / n];
-    const std::size_t l = k % n;
-    c.elastic[l] = c.viscous[l] = c.late[l] = c.lost[l] = c.twice_stored[l] = c.twice_slipped[l] = c.energy[l] = 0.0;
-    --total.touching;
   }
 
   static constexpr double no_radius = std::numeric_limits<double>::quiet_NaN();

@@ -47,12 +47,7 @@ struct Hertz {
   }
   static bool is_damped(const Parameters& p) { return p.damping > 0.0; }
   static double elastic_power(const Parameters&) { return 1.5; }
-  static constexpr double growth = 0.25;  ///< q of c ~ overlap^q
-  static double viscous_power(const Parameters&) { return growth; }
-  static double viscous(const Parameters& p, const ContactKinematics& c) {
-    const double k = stiffness(p, c);
-    return c.viscous(p.damping * std::sqrt(c.effective_mass * k), k);
-  }
+  static constexpr double growth = 0.25;                                      ///< q of c ~ overlap^q
   static double stiffness(const Parameters& p, const ContactKinematics& c) {  // dN/d(delta)
     return hertz_stiffness(p.modulus, c);
   }

@@ -51,11 +51,6 @@ struct HuntCrossley {
   static bool is_damped(const Parameters& p) { return p.chi > 0.0; }
   static double elastic_power(const Parameters&) { return 1.5; }
   static constexpr double growth = 1.5;  ///< q of c ~ overlap^q
-  static double viscous_power(const Parameters&) { return growth; }
-  static double viscous(const Parameters& p, const ContactKinematics& c) {
-    const double k = hertz_stiffness(p.modulus, c);
-    return c.viscous(2.0 / 3.0 * k * c.overlap * p.chi, k);
-  }
   template <class Real>
   EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
     const Real stiffness = hertz_stiffness(p.modulus, c), elastic = 2.0 / 3.0 * stiffness * c.overlap;

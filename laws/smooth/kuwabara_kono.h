@@ -38,11 +38,6 @@ struct KuwabaraKono {
   static bool is_damped(const Parameters& p) { return p.relaxation > 0.0; }
   static double elastic_power(const Parameters&) { return 1.5; }
   static constexpr double growth = 0.5;  ///< q of c ~ overlap^q
-  static double viscous_power(const Parameters&) { return growth; }
-  static double viscous(const Parameters& p, const ContactKinematics& c) {
-    const double k = hertz_stiffness(p.modulus, c);
-    return c.viscous(k * p.relaxation, k);
-  }
   template <class Real>
   EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
     const Real stiffness = hertz_stiffness(p.modulus, c), elastic = 2.0 / 3.0 * stiffness * c.overlap;

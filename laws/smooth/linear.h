@@ -36,10 +36,6 @@ struct Linear {
   }
   static bool is_damped(const Parameters& p) { return p.damping_ratio > 0.0; }
   static double elastic_power(const Parameters&) { return 1.0; }
-  static double viscous_power(const Parameters&) { return 0.0; }
-  static double viscous(const Parameters& p, const ContactKinematics& c) {
-    return c.viscous(2.0 * p.damping_ratio * std::sqrt(c.effective_mass * p.stiffness), p.stiffness);
-  }
   template <class Real>
   EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
     const Real elastic = p.stiffness * c.overlap;

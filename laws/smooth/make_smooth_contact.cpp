@@ -8,37 +8,38 @@ namespace epafi {
 
 namespace {
 
-/// A law as scenes name it: a normal part and the tangential part it takes where friction is not zero.
-struct NamedLaw {
-  const char *name, *summary, *normal, *tangential;
+/// Other common names of normal laws.
+struct OtherName {
+  const char *name, *normal, *summary;
 };
-constexpr NamedLaw named_laws[] = {
-    {"linear", "linear spring and dashpot; friction by a spring in fixed ratio", "linear", "coulomb-spring"},
-    {"hertz", "Hertz with Tsuji damping; friction by Mindlin's spring", "hertz", "mindlin"},
-    {"hertz-mindlin", "the same as hertz, by its common name", "hertz", "mindlin"},
-    {"tsuji", "the same as hertz, by the name of its damping", "hertz", "mindlin"},
-    {"hunt-crossley", "Hertz with Hunt-Crossley damping; friction by Mindlin's spring", "hunt-crossley", "mindlin"},
-    {"hunt-crossley-1975", "Hunt-Crossley with the factor first published", "hunt-crossley-1975", "mindlin"},
-    {"herbert-mcwhannell", "Hunt-Crossley with the factor of Herbert and McWhannell", "herbert-mcwhannell", "mindlin"},
-    {"lee-wang", "Hunt-Crossley with the factor of Lee and Wang", "lee-wang", "mindlin"},
-    {"lankarani-nikravesh", "Hunt-Crossley with the factor of Lankarani and Nikravesh", "lankarani-nikravesh",
-     "mindlin"},
-    {"flores", "Hunt-Crossley with the factor of Flores et al.", "flores", "mindlin"},
-    {"gonthier", "Hunt-Crossley with the factor of Gonthier et al.", "gonthier", "mindlin"},
-    {"power-law", "k delta^n; friction by a spring in fixed ratio", "power-law", "coulomb-spring"},
-    {"kuwabara-kono", "viscoelastic spheres; friction by Mindlin's spring", "kuwabara-kono", "mindlin"},
-    {"walton-braun", "plastic loading, stiff unloading; friction by a spring in fixed ratio", "walton-braun",
-     "coulomb-spring"},
-    {"dmt", "Hertz with constant attraction in contact; friction by Mindlin's spring", "dmt", "mindlin"},
-    {"jkr", "adhesive spheres in contact until pull-off; friction by Mindlin's spring", "jkr", "mindlin"},
-    {"overlap-volume", "elastic layer of the overlap volume of polyhedra; friction by a spring in fixed ratio",
-     "overlap-volume", "coulomb-spring"},
-};
+constexpr OtherName other_names[] = {{"hertz-mindlin", "hertz", "the same as hertz, by its common name"},
+                                     {"tsuji", "hertz", "the same as hertz, by the name of its damping"}};
 
-const NamedLaw* find_named(const std::string& name) {
-  for (const NamedLaw& law : named_laws)
-    if (name == law.name) return &law;
-  return nullptr;
+const OtherName* find_other(const std::string& law) {
+  const auto* const at = std::ranges::find(other_names, law, &OtherName::name);
+  return at == std::end(other_names) ? nullptr : at;
+}
+std::string normal_of(const std::string& law) {
+  const OtherName* const other = find_other(law);
+  return other ? other->normal : law;
+}
+
+/// As scenes name them.
+std::vector<std::string> law_names() {
+  std::vector<std::string> names;
+  for (const Entry& e : law_entries(NormalLaws{})) {
+    names.push_back(e.name);
+    for (const OtherName& other : other_names)
+      if (e.name == other.normal) names.emplace_back(other.name);
+  }
+  return names;
+}
+
+/// The friction of a normal law unless another one is asked for.
+const char* own_friction(const std::string& normal) {
+  if (!find_law(NormalLaws{}, normal)) return NoFriction::name;
+  return with_law(NormalLaws{}, normal,
+                  [](auto n) { return decltype(n)::type::is_hertzian ? Mindlin::name : CoulombSpring::name; });
 }
 
 template <class F>
@@ -54,10 +55,17 @@ void add(std::vector<Problem>& out, Problem::Level level, std::string text) {
 }
 
 template <class List>
-void check_name(const List& list, const char* key, const std::string& name, std::vector<Problem>& out) {
-  if (find_law(list, name)) return;
+std::vector<std::string> names_of(const List& list) {
+  std::vector<std::string> names;
+  for (const Entry& e : law_entries(list)) names.push_back(e.name);
+  return names;
+}
+
+void check_name(const std::vector<std::string>& names, const char* key, const std::string& name,
+                std::vector<Problem>& out) {
+  if (std::ranges::find(names, name) != names.end()) return;
   std::string known;
-  for (const Entry& e : law_entries(list)) known += (known.empty() ? "" : ", ") + e.name;
+  for (const std::string& n : names) known += (known.empty() ? "" : ", ") + n;
   add(out, Problem::Level::error,
       std::string("[contact.smooth] ") + key + " '" + name + "' is unknown; known: " + known);
 }
@@ -120,8 +128,8 @@ void check_restitution(const std::string& law, const MaterialPair& pair, std::ve
 template <class P>
 std::string laws_that(const P& has) {
   std::string all;
-  for (const NamedLaw& law : named_laws)
-    if (with_law(NormalLaws{}, law.normal, has)) all += (all.empty() ? "" : ", ") + std::string(law.name);
+  for (const std::string& law : law_names())
+    if (with_law(NormalLaws{}, normal_of(law), has)) all += (all.empty() ? "" : ", ") + law;
   return all;
 }
 
@@ -157,13 +165,15 @@ void check_materials(const SmoothSetup& setup, const SmoothParts& parts, std::ve
 const std::vector<Entry>& all_smooth_laws() {
   static const std::vector<Entry> list = [] {
     std::vector<Entry> out;
-    for (const NamedLaw& law : named_laws) {
+    for (const std::string& law : law_names()) {
       const auto entry = [](auto l) { return decltype(l)::type::entry(); };
-      Entry e = with_law(NormalLaws{}, law.normal, entry);
-      e.name = law.name;
-      e.summary = law.summary;
+      const std::string normal = normal_of(law), friction = own_friction(normal);
+      Entry e = with_law(NormalLaws{}, normal, entry);
+      e.name = law;
+      const OtherName* const other = find_other(law);
+      e.summary = other ? other->summary : e.summary + "; friction: " + friction;
       for (const Entry& part :
-           {with_law(TangentialLaws{}, law.tangential, entry), MindlinDashpot::entry(), RollingSpring::entry()})
+           {with_law(TangentialLaws{}, friction, entry), MindlinDashpot::entry(), RollingSpring::entry()})
         e.fields.insert(e.fields.end(), part.fields.begin(), part.fields.end());
       out.push_back(std::move(e));
     }
@@ -177,13 +187,11 @@ std::vector<Entry> all_tangential_laws() { return law_entries(TangentialLaws{});
 std::vector<Entry> all_rolling_laws() { return law_entries(RollingLaws{}); }
 
 SmoothParts smooth_parts(const SmoothSetup& setup) {
-  const NamedLaw* law = find_named(setup.law);
-  const auto chosen = [](const std::string& given, const char* otherwise) { return given.empty() ? otherwise : given; };
   SmoothParts parts;
   parts.locate = setup.locate;
-  parts.normal = law ? law->normal : setup.law;
-  parts.tangential = chosen(setup.tangential, law ? law->tangential : NoFriction::name);
-  parts.rolling = chosen(setup.rolling, RollingSpring::name);
+  parts.normal = normal_of(setup.law);
+  parts.tangential = setup.tangential.empty() ? own_friction(parts.normal) : setup.tangential;
+  parts.rolling = setup.rolling.empty() ? RollingSpring::name : setup.rolling;
   if (!any_pair(setup.materials, [](const MaterialPair& p) { return p.friction > 0.0; }))
     parts.tangential = NoFriction::name;
   // without friction nothing makes a body roll
@@ -195,14 +203,10 @@ SmoothParts smooth_parts(const SmoothSetup& setup) {
 
 std::vector<Problem> check_smooth(const SmoothSetup& setup) {
   std::vector<Problem> out;
-  if (!find_named(setup.law)) {
-    std::string known;
-    for (const NamedLaw& law : named_laws) known += (known.empty() ? "" : ", ") + std::string(law.name);
-    add(out, Problem::Level::error, "[contact.smooth] law '" + setup.law + "' is unknown; known: " + known);
-  }
+  check_name(law_names(), "law", setup.law, out);
   // the names as given, even where friction 0 makes them idle
-  if (!setup.tangential.empty()) check_name(TangentialLaws{}, "tangential", setup.tangential, out);
-  if (!setup.rolling.empty()) check_name(RollingLaws{}, "rolling", setup.rolling, out);
+  if (!setup.tangential.empty()) check_name(names_of(TangentialLaws{}), "tangential", setup.tangential, out);
+  if (!setup.rolling.empty()) check_name(names_of(RollingLaws{}), "rolling", setup.rolling, out);
   if (!out.empty()) return out;
   const SmoothParts parts = smooth_parts(setup);
   check_combination(setup, parts, out);

@@ -89,25 +89,18 @@ struct PowerLaw {
   }
   static double elastic_power(const Parameters& p) { return p.exponent; }
   template <class Real>
-  EPAFI_LANES static Real viscous_power(const ParametersOf<Real>& p) {
-    return select(p.dashpot > Real{}, Real{}, 0.5 * (p.exponent - 1.0));
-  }
-  static double viscous(const Parameters& p, const ContactKinematics& c) {
-    const double below = p.stiffness * power_below(c.overlap, p.exponent);
-    return c.viscous(p.dashpot + p.damping_ratio * std::sqrt(c.effective_mass * below), p.exponent * below);
-  }
-  template <class Real>
   EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
     const Real below = p.stiffness * power_below(c.overlap, p.exponent);  // k delta^(n-1)
     const Real elastic = below * c.overlap;
     const Real dashpot = p.dashpot + p.damping_ratio * sqrt(c.effective_mass * below);
-    const Real force = max(Real{}, elastic + c.viscous(dashpot, p.exponent * below, viscous_power(p)));
+    const Real growth = select(p.dashpot > Real{}, Real{}, 0.5 * (p.exponent - 1.0));
+    const Real force = max(Real{}, elastic + c.viscous(dashpot, p.exponent * below, growth));
     return {.force = force,
             .elastic_force = elastic,
             .stiffness = p.exponent * below,
             .energy = elastic * c.overlap / (p.exponent + 1.0),
             .dashpot = dashpot,
-            .growth = viscous_power(p)};
+            .growth = growth};
   }
 };
 static_assert(LaneLaw<PowerLaw>);

@@ -16,10 +16,6 @@ struct NoRolling {
   static Entry entry() { return {name, "no resistance to rolling", {}, needs, ""}; }
   static Missing missing(const MaterialPair&) { return {}; }
   static Parameters parameters(const MaterialPair&) { return {}; }
-  static double stiffness(const Parameters&, const RollingStep&) { return 0.0; }
-  static double limit(const Parameters&, const RollingStep&) { return 0.0; }
-  static double damping(const Parameters&, const RollingStep&) { return 0.0; }
-  static bool stops_at_once(const Parameters&) { return false; }
 };
 static_assert(RollingLaw<NoRolling>);
 

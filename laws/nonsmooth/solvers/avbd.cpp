@@ -1,7 +1,6 @@
 #include "laws/nonsmooth/solvers/avbd.h"
 
-#include <Eigen/Cholesky>
-
+#include "laws/factors.h"
 #include "laws/nonsmooth/cone.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
 #include "laws/nonsmooth/solvers/newton.h"
@@ -39,7 +38,7 @@ void BodyDescent::move(const ConeProblem& p, std::uint32_t body) {
     rhs.noalias() += h * project_cone(x, p.friction[i]);
     lhs.noalias() += h * (k_[i] * project_cone_derivative(x, p.friction[i])) * h.transpose();
   }
-  v_[body] += Eigen::LLT<Mat6>(lhs).solve(rhs);
+  v_[body] += solve_llt(lhs, rhs);
 }
 
 void BodyDescent::raise(const ConeProblem& p) {

@@ -396,11 +396,11 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   }
 
   SphereContacts::LoadOf loads(const World& world) const {
-    return [this, &world](const SphereContact& c, const Vec3& normal) { return load_of(world, c, normal); };
+    return [this, &world](const SphereContact& c, const ContactPoint& point) { return load_of(world, c, point); };
   }
   /// At the last call, by the formulas of the loop.
-  SphereLoad load_of(const World& world, const SphereContact& c, const Vec3& normal) const {
-    SphereLoad load{-normal_force(world, c) * normal, Vec3::Zero()};
+  SphereLoad load_of(const World& world, const SphereContact& c, const ContactPoint& point) const {
+    SphereLoad load{-normal_force(world, c, point) * point.normal, Vec3::Zero()};
     const SphereSprings& springs = blocks_.blocks()[c.block].springs;
     if (law_.needs.damps_slip()) {
       load.force += xyz(springs.loads(c.rank).friction);
@@ -418,40 +418,32 @@ class FusedModel final : public FusedSpheres, public SharedModel {
   }
   static Vec3 xyz(const Lanes& x) { return {x[0], x[1], x[2]}; }
   /// [N]
-  double normal_force(const World& world, const SphereContact& c) const {
+  double normal_force(const World& world, const SphereContact& c, const ContactPoint& point) const {
     const bool wall = c.plane >= 0;
     const SphereBlocks::Block& block = blocks_.blocks()[c.block];
     const SpherePlaces& places = block.pairs[c.pair];
-    const Slot slot_a = places.a.slot(), slot_b = wall ? slot_a : places.b.slot();
+    const Slot slot_a = places.a.slot(), slot_b = places.b.slot();
     const BodyState &a = all_states(world)[slot_a], &b = all_states(world)[slot_b];
-    const double radius_a = a.position[3], radius_b = b.position[3];
-    KinematicsOf<double> at;
-    if (wall) {
-      const SpherePlane& plane = blocks_.planes()[static_cast<std::size_t>(c.plane)];
-      at.overlap = radius_a - plane.normal.dot(xyz(a.position) - plane.point);
-      at.approach_velocity = -plane.normal.dot(xyz(a.predicted));
-      at.middle_velocity = -plane.normal.dot(middle_velocity(world, slot_a));
-      at.effective_mass = 1.0 / a.velocity[3];
-      at.effective_radius = radius_a;
-    } else {
-      Vec3 d = xyz(b.position - a.position), later = xyz(b.predicted - a.predicted);
-      Vec3 middle = middle_velocity(world, slot_b) - middle_velocity(world, slot_a);
-      if (world.cell) {
-        d += world.cell->size.cwiseProduct(xyz(block.images[c.pair].cells));
-        later += world.cell->strain_rate.cwiseProduct(d);
-        middle += world.cell->strain_rate.cwiseProduct(d);
-      }
-      const double distance = d.norm();
-      const Vec3 normal = distance > 0.0 ? Vec3(d / distance) : Vec3::UnitZ();
-      at.overlap = radius_a + radius_b - distance;
-      if (reach_ == 0.0) at.overlap = std::max(0.0, at.overlap);
-      at.approach_velocity = -later.dot(normal);
-      at.middle_velocity = -middle.dot(normal);
-      at.effective_mass = 1.0 / (a.velocity[3] + b.velocity[3]);
-      at.effective_radius = radius_a * radius_b / (radius_a + radius_b);
+    Vec3 later = -xyz(a.predicted), middle = -middle_velocity(world, slot_a);
+    double inverse_mass = a.velocity[3];
+    if (!wall) {
+      later += xyz(b.predicted);
+      middle += middle_velocity(world, slot_b);
+      inverse_mass += b.velocity[3];
     }
+    if (!wall && world.cell) {
+      const Vec3 branch = (a.position[3] + b.position[3] + point.gap) * point.normal;
+      later += world.cell->strain_rate.cwiseProduct(branch);
+      middle += world.cell->strain_rate.cwiseProduct(branch);
+    }
+    KinematicsOf<double> at;
+    at.overlap = reach_ == 0.0 ? std::max(0.0, -point.gap) : -point.gap;
+    at.approach_velocity = -later.dot(point.normal);
+    at.middle_velocity = -middle.dot(point.normal);
+    at.effective_mass = 1.0 / inverse_mass;
+    at.effective_radius = point.effective_radius;
     at.step = {dt_, lag_ / at.effective_mass};
-    const Slot first = blocks_.balls().body_of(slot_a), other = blocks_.balls().body_of(places.b.slot());
+    const Slot first = blocks_.balls().body_of(slot_a), other = blocks_.balls().body_of(slot_b);
     const std::size_t pair = law_.materials * world.material[first] + world.material[other];
     const double before = law_.needs.normal ? block.springs.normal(c.rank) : 0.0;
     double now = 0.0;

@@ -43,7 +43,7 @@ struct Turn {
 };
 EPAFI_LANES double dot(Lanes a, const Vec3& b) { return (a[0] * b.x() + a[1] * b.y()) + a[2] * b.z(); }
 
-struct Place {
+struct PlaceBalls {
   const BallsOfBody& in;
 
   template <int n>
@@ -95,7 +95,7 @@ struct Collect {
 
 }  // namespace
 
-void place_balls(const BallsOfBody& balls) { best_loop<Place, BallsOfBody>()(balls); }
+void place_balls(const BallsOfBody& balls) { best_loop<PlaceBalls, BallsOfBody>()(balls); }
 void collect_balls(const FeltByBalls& felt) { best_loop<Collect, FeltByBalls>()(felt); }
 
 }  // namespace epafi

@@ -44,19 +44,6 @@ EPAFI_LANES void find_radii(SphereTile<n>& t, std::size_t g, const SphereArrays&
   }
 }
 
-/// Predicted velocities of A over B, without the flow of a deforming cell.
-template <int n>
-EPAFI_LANES VectorsOf<typename LanesOf<n>::Real> predicted_apart(const SpherePlaces* bodies, const SphereArrays& with) {
-  VectorsOf<typename LanesOf<n>::Real> out;
-  typename LanesOf<n>::Real none;
-  read_columns(
-      [&](int l) EPAFI_INLINED {
-        return row<n>(with.state(bodies[l].a).predicted) - row<n>(with.state(bodies[l].b).predicted);
-      },
-      out.x, out.y, out.z, none);
-  return out;
-}
-
 /// Relative velocities.
 template <int n, bool remembers, bool wall, bool periodic>
 EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks::Block& block,
@@ -106,7 +93,7 @@ EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks
     }
   }
   if constexpr (remembers)
-    if (with.late_spins != nullptr) c.nearer = periodic && !wall ? predicted_apart<n>(bodies, with) : later;
+    if (with.late_spins != nullptr) c.nearer = later;
   c.middle = -opening;
   c.inverse_mass = inverse_mass;
   find_radii<n, remembers, wall>(t, g, with, velocity, opening);
@@ -353,8 +340,7 @@ struct SphereSweep {
                       with,
                       at,
                       wall,
-                      !wall && range.across,
-                      periodic});
+                      !wall && range.across});
     }
   }
 

@@ -59,15 +59,8 @@ EPAFI_LANES void find_rolling(const SphereTile<n>& t, TileRolling<n>& r, std::si
     b.read(
         with, [&](int l) EPAFI_INLINED { return bodies[l].b; }, c.radius_b, c.lever, -normal);
   if (call.passes->needs.dashpots) {
-    VectorsOf<V> velocity = -c.nearer;
-    if (call.periodic && !call.wall) {  // the flow of a deforming cell comes on top
-      const V length = t.column(t.distance, g);
-      const Lanes& rate = with.strain_rate;
-      velocity = velocity +
-                 VectorsOf<V>{rate[0] * length * normal.x, rate[1] * length * normal.y, rate[2] * length * normal.z};
-    }
     const VectorsOf<V> turning = c.lever * (c.radius_a * a.late_spin + c.radius_b * b.late_spin);
-    r.slip[g] = in_plane(velocity, normal) - turning.cross(normal);
+    r.slip[g] = in_plane(-c.nearer, normal) - turning.cross(normal);
     r.slip_mobility[g] = a.slip_mobility + b.slip_mobility;
   }
   if (!call.passes->needs.rolling) return;

@@ -10,7 +10,7 @@ struct SphereRollingCall : RollingCall {
   SphereBlocks::Block& block;
   const SphereArrays& arrays;
   SphereSprings::Places at;
-  bool wall, across, periodic;
+  bool wall, across;
 };
 void (*sphere_rolling())(const SphereRollingCall&);
 

@@ -161,8 +161,7 @@ template <int n>
     const int lane = static_cast<int>(k % n);
     if (!wall && (is_held(t.bodies[k].a) || is_held(t.bodies[k].b)))
       c.force[lane] = c.load.x[lane] = c.load.y[lane] = c.load.z[lane] = 0.0;
-    c.elastic[lane] = c.viscous[lane] = c.late[lane] = c.lost[lane] = c.twice_stored[lane] = c.twice_slipped[lane] =
-        0.0;
+    t.leave_out(k);
     --total.touching;
   }
 }
@@ -170,12 +169,8 @@ template <int n>
 /// The same of their virials, which are known last.
 template <int n>
 [[gnu::noinline]] void leave_out_virials(SphereTile<n>& t, const SphereArrays& with) {
-  for (std::size_t k = 0; k < t.count; ++k) {
-    if (with.counts(t.bodies[k])) continue;
-    auto& c = t.group[k / n];
-    const int lane = static_cast<int>(k % n);
-    c.virial_x[lane] = c.virial_y[lane] = c.virial_z[lane] = 0.0;
-  }
+  for (std::size_t k = 0; k < t.count; ++k)
+    if (!with.counts(t.bodies[k])) t.leave_out(k);
 }
 
 /// Adds the virials of a tile.

@@ -39,7 +39,7 @@ struct ContactTile {
     V lever;               ///< distance over sum of radii
     V smaller;             ///< radius of the pair [m]
     V radius_a, radius_b;  ///< where dashpots or rolling read them; 0 of a wall [m]
-    V3 nearer;             ///< velocity of A against B at the detection, without the flow of a cell [m/s]
+    V3 nearer;             ///< velocity of A against B at the detection [m/s]
     V3 turning;            ///< spin of B against A in the middle of the step [rad/s]
     V virial_x, virial_y, virial_z;
   };
@@ -58,6 +58,13 @@ struct ContactTile {
     y[to] = y[from];
     z[to] = z[from];
     overlap[to] = overlap[from];
+  }
+  /// Contact k counts nothing: another process counts it.
+  EPAFI_LANES void leave_out(std::size_t k) {
+    Group& c = group[k / n];
+    c.elastic[k % n] = c.viscous[k % n] = c.late[k % n] = c.lost[k % n] = 0.0;
+    c.energy[k % n] = c.twice_stored[k % n] = c.twice_slipped[k % n] = 0.0;
+    c.virial_x[k % n] = c.virial_y[k % n] = c.virial_z[k % n] = 0.0;
   }
   /// No friction.
   EPAFI_LANES void rest_springs() {

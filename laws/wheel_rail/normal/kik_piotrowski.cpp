@@ -29,16 +29,16 @@ struct Penetration {
   double misfit = 0.0;  ///< area between the overlap and its ellipse, relative to the overlap
 };
 
-struct Strip {
+struct OverlapStrip {
   double y, half_length, width;
 };
 
 /// Strips over the overlap: at least 24 over each region, since a flange patch is only five profile samples wide.
-std::vector<Strip> overlap(const ContactRegion& r, double depth) {
+std::vector<OverlapStrip> overlap(const ContactRegion& r, double depth) {
   const double half = std::sqrt(2.0 * depth / std::max(r.curvature_y, 1e-9));
   const std::vector<OverlapRange> ranges =
       r.profile.size() > 0 ? overlaps_of(r.profile, depth) : std::vector<OverlapRange>{{-half, half}};
-  std::vector<Strip> out;
+  std::vector<OverlapStrip> out;
   for (const OverlapRange& o : ranges) {
     const double wide = o.high - o.low, sample = r.profile.size() > 0 ? r.profile.step : 0.01 * half;
     const int n = static_cast<int>(std::clamp(wide / sample, 24.0, 400.0));
@@ -56,8 +56,8 @@ Penetration penetrate(const ContactRegion& r, double approach, double modulus,
                       std::vector<PressedStrip>* pressed = nullptr) {
   Penetration out;
   double area = 0.0, middle = 0.0;
-  const std::vector<Strip> strips = overlap(r, share * approach);
-  for (const Strip& s : strips) {
+  const std::vector<OverlapStrip> strips = overlap(r, share * approach);
+  for (const OverlapStrip& s : strips) {
     out.longest = std::max(out.longest, s.half_length);
     area += 2.0 * s.half_length * s.width;
     middle += 2.0 * s.half_length * s.width * s.y;
@@ -71,7 +71,7 @@ Penetration penetrate(const ContactRegion& r, double approach, double modulus,
   out.longest *= along;
   out.area = area * along * across;
   double n1 = 0.0, u1 = 0.0;
-  for (const Strip& s : strips) {
+  for (const OverlapStrip& s : strips) {
     const double a = along * s.half_length, y = across * s.y, step = across * s.width;
     const double inside = 1.0 - std::pow((s.y - middle) / wide, 2);
     out.misfit += 2.0 * std::abs(a - out.longest * std::sqrt(std::max(0.0, inside))) * step / out.area;
@@ -82,7 +82,7 @@ Penetration penetrate(const ContactRegion& r, double approach, double modulus,
   if (!(u1 > 0.0)) return out;
   out.peak = approach / u1 * out.longest;
   out.force = approach / u1 * n1;
-  for (const Strip& s : strips) {
+  for (const OverlapStrip& s : strips) {
     if (pressed == nullptr) break;
     const double a = along * s.half_length, y = across * s.y;
     pressed->push_back({y, gap_at(r, y).gap, out.peak * a / out.longest, a, across * s.width});
