@@ -8,7 +8,8 @@ here=$(dirname "$0") bad=0 hits=0
 . "$here/common.sh"
 fail() { echo "FAILED: seed $seed: $*"; bad=1; }
 processes_of() { # those of a run in this folder, without mpirun
-  ps -eo pid,args | awk -v folder="$1 " '/epafi-mpi (run|resume)/ && index($0 " ", folder) && !/mpirun|awk/ { print $1 }'
+  ps -eo pid,args |
+    awk -v folder="$1 " '/epafi-mpi (run|resume)/ && index($0 " ", folder) && !/mpirun|awk/ { print $1 }'
 }
 saved() { [ -f "$out/checkpoint.h5" ]; }
 # Starts the run, or goes on with it, on so many ranks, the rest as options.
@@ -22,7 +23,8 @@ until=0.035
 rm -rf "$folder"; mkdir -p "$folder"; cp "$here/net.obj" "$folder"
 for seed in "$@"; do
   RANDOM=$seed scene=$folder/$seed.toml out=$folder/$seed
-  awk -v seed="$seed" -f "$here/draw_scene.awk" | sed 's/checkpoint_interval = 0.02/checkpoint_interval = 0.002/' > "$scene"
+  awk -v seed="$seed" -f "$here/draw_scene.awk" |
+    sed 's/checkpoint_interval = 0.02/checkpoint_interval = 0.002/' > "$scene"
   OMP_NUM_THREADS=1 "$alone" run "$scene" --until $until --quiet -o "$folder/alone_$seed" > "$folder/log" 2>&1 ||
     { fail "alone: $(tail -1 "$folder/log")"; continue; }
   for _ in $(seq "$kills"); do
