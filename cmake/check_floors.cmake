@@ -21,7 +21,7 @@ set(doors
   "CGAL/|detection/shapes/exact_hull\\.cpp,tests/detection/test_exact_oracle\\.cpp"
   "toml\\+\\+/|scenes/reader/toml_text\\.cpp"
   "CLI/|scenes/cli/usage\\.h"
-  "mpi\\.h|ranks/communicator\\.cpp,ranks/mpi_messages\\.cpp,ranks/plan\\.cpp"
+  "mpi\\.h|ranks/communicator\\.cpp,ranks/mpi_messages\\.cpp,ranks/plan\\.cpp,ranks/shared_rows\\.cpp"
   "zoltan|ranks/communicator\\.cpp,ranks/partition\\.cpp"
   "zlib\\.h|viz_export/hdf5/deflate\\.cpp"
   "nlohmann/|viz_export/files/json_reader\\.cpp"

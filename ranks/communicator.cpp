@@ -68,6 +68,12 @@ void max_over_ranks(std::span<double> numbers) {
   MPI_Allreduce(MPI_IN_PLACE, numbers.data(), static_cast<int>(numbers.size()), MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
 }
 
+void swap_numbers(std::vector<std::uint32_t>& numbers) {
+  std::vector<std::uint32_t> theirs(numbers.size());
+  MPI_Alltoall(numbers.data(), 1, MPI_UINT32_T, theirs.data(), 1, MPI_UINT32_T, MPI_COMM_WORLD);
+  numbers.swap(theirs);
+}
+
 struct Joint::Message {
   struct Numbers {
     double sums = 0.0;  ///< so many come first

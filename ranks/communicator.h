@@ -2,6 +2,7 @@
 /// Everything here but rank_count and rank_number is called by all ranks in the same order.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -24,6 +25,9 @@ void broadcast(void* data, std::size_t bytes);
 /// Element-wise, over all ranks. Sums of whole numbers below 2^53 are exact, others rounded.
 void sum_over_ranks(std::span<double> numbers);
 void max_over_ranks(std::span<double> numbers);
+
+/// Number k goes to rank k, and becomes that of rank k for this one.
+void swap_numbers(std::vector<std::uint32_t>& numbers);
 
 /// Sums and maxima over all ranks in one message, overlapped with computation.
 class Joint {

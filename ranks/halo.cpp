@@ -4,6 +4,8 @@
 #include <cstring>
 
 #include "engine/threads/parallel.h"
+#include "ranks/communicator.h"
+#include "ranks/shared_rows.h"
 
 namespace epafi {
 
@@ -30,16 +32,11 @@ void each_moving(World& world, bool by_states, const F& f) {
   if (rotates && world.columns().anisotropy) column(world.angular_momentum);
 }
 
-/// Asks for the state of a body that is soon read: bodies at a border are far from each other in memory.
-void ask_for(const World& world, const std::vector<Slot>& slots, std::size_t k) {
-  constexpr std::size_t ahead = 8;
-  if (!world.columns().states || k + ahead >= slots.size()) return;
-  const BodyState& soon = world.states()[slots[k + ahead]];
-  __builtin_prefetch(&soon);
-  __builtin_prefetch(&soon.spin);
-}
-
 }  // namespace
+
+std::size_t most_bytes_of_moving(World& world) {
+  return std::max(bytes_of_moving(world, false), world.columns().states ? bytes_of_moving(world, true) : 0);
+}
 
 std::size_t bytes_of_moving(World& world, bool by_states) {
   std::size_t sum = 0;
@@ -61,8 +58,7 @@ void read_moving(const std::byte* from, bool by_states, Slot s, World& world) {
   });
 }
 
-void Halo::set_up(const World& world, std::vector<std::pair<int, Slot>> sends,
-                  const std::vector<std::uint32_t>& place) {
+void Halo::set_up(World& world, std::vector<std::pair<int, Slot>> sends, const std::vector<std::uint32_t>& place) {
   std::ranges::sort(sends);
   std::vector<int> ranks;
   from_.clear();
@@ -86,26 +82,89 @@ void Halo::set_up(const World& world, std::vector<std::pair<int, Slot>> sends,
   }
   const auto others = std::ranges::count(world.owner, std::uint8_t{World::elsewhere});
   if (static_cast<std::size_t>(others) != into_.size()) throw std::logic_error("a ghost has no owner");
+  shares_ = SharedRows::of_program().reserve(from_.size() * most_bytes_of_moving(world));
+  if (!shares_) return;
+  first_of_rank_.assign(static_cast<std::size_t>(rank_count()), 0);
+  for (const Plan::Share& share : plan_.to_ranks())
+    first_of_rank_[static_cast<std::size_t>(share.rank)] = static_cast<std::uint32_t>(share.begin);
+  swap_numbers(first_of_rank_);
 }
 
-void Halo::begin(World& world, bool by_states) {
-  const std::size_t row = bytes_of_moving(world, by_states);
-  out_.resize(from_.size() * row);
-  parallel_for(from_.size(), [&](std::size_t k) {
-    ask_for(world, from_, k);
-    write_moving(world, by_states, from_[k], out_.data() + k * row);
+namespace {
+
+/// What the states tell of a body, where no more of it changes, as each_moving has it: a call for each body took as
+/// long as the messages.
+struct StateRow {
+  double position[3], velocity[3], spin[3], predicted[3];
+  static bool is_all(World& world, bool by_states) {
+    return by_states && bytes_of_moving(world, true) == sizeof(StateRow);
+  }
+  void write(const BodyState& s) {
+    std::memcpy(position, &s.position, sizeof position);
+    std::memcpy(velocity, &s.velocity, sizeof velocity);
+    std::memcpy(spin, &s.spin, sizeof spin);
+    std::memcpy(predicted, &s.predicted, sizeof predicted);
+  }
+  void read(BodyState& s) const {
+    std::memcpy(&s.position, position, sizeof position);
+    std::memcpy(&s.velocity, velocity, sizeof velocity);
+    std::memcpy(&s.spin, spin, sizeof spin);
+    std::memcpy(&s.predicted, predicted, sizeof predicted);
+  }
+};
+
+/// f(state, row) for the bodies of these slots, which are far from each other in memory.
+template <class Row, class F>
+void each_state(World& world, std::span<const Slot> slots, Row* rows, const F& f) {
+  constexpr std::size_t block = 1024, ahead = 12;
+  BodyState* const states = world.states().data();
+  parallel_blocks(slots.size(), block, [&](std::size_t begin, std::size_t end, std::size_t) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const BodyState& soon = states[slots[std::min(k + ahead, slots.size() - 1)]];
+      __builtin_prefetch(&soon);
+      __builtin_prefetch(&soon.spin);
+      f(states[slots[k]], rows[k]);
+    }
   });
-  plan_.begin(out_, row, in_);
-  bytes_ += static_cast<double>(out_.size());
+}
+
+}  // namespace
+
+void Halo::begin(World& world, bool by_states) {
+  const std::size_t row = bytes_of_moving(world, by_states), size = from_.size() * row;
+  if (!shares_) out_.resize(size);
+  std::byte* const to = shares_ ? SharedRows::of_program().begin() : out_.data();
+  if (StateRow::is_all(world, by_states))
+    each_state(world, from_, reinterpret_cast<StateRow*>(to), [](const BodyState& s, StateRow& r) { r.write(s); });
+  else
+    parallel_for(from_.size(), [&](std::size_t k) { write_moving(world, by_states, from_[k], to + k * row); });
+  if (shares_)
+    SharedRows::of_program().tell();
+  else
+    plan_.begin(out_, row, in_);
+  bytes_ += static_cast<double>(size);
+}
+
+void Halo::read(World& world, bool by_states, std::span<const Slot> into, const std::byte* rows) {
+  const std::size_t row = bytes_of_moving(world, by_states);
+  if (StateRow::is_all(world, by_states))
+    each_state(world, into, reinterpret_cast<const StateRow*>(rows),
+               [](BodyState& s, const StateRow& r) { r.read(s); });
+  else
+    parallel_for(into.size(), [&](std::size_t k) { read_moving(rows + k * row, by_states, into[k], world); });
 }
 
 void Halo::finish(World& world, bool by_states) {
+  if (!shares_) {
+    plan_.finish();
+    return read(world, by_states, into_, in_.data());
+  }
   const std::size_t row = bytes_of_moving(world, by_states);
-  plan_.finish();
-  parallel_for(into_.size(), [&](std::size_t k) {
-    ask_for(world, into_, k);
-    read_moving(in_.data() + k * row, by_states, into_[k], world);
-  });
+  for (const Plan::Share& share : plan_.from_ranks()) {
+    const std::size_t first = first_of_rank_[static_cast<std::size_t>(share.rank)];
+    const std::byte* const rows = SharedRows::of_program().wait(share.rank) + first * row;
+    read(world, by_states, std::span(into_).subspan(share.begin, share.end - share.begin), rows);
+  }
 }
 
 }  // namespace epafi

@@ -16,39 +16,28 @@ namespace epafi {
 
 namespace {
 
-/// What contacts read of the states, in the middle of a step.
-void visit_states(World& world, StateVisitor& visitor) {
-  constexpr std::size_t numbers = 3;
-  std::vector<double> all(numbers * world.size());
-  const auto each = [&](const auto& f) {
-    for (Slot s = 0; s < world.size(); ++s)
-      f(reinterpret_cast<double*>(&world.states()[s].predicted), &all[numbers * s]);
-  };
-  each([](const double* state, double* row) { std::copy_n(state, numbers, row); });
-  visitor.records(RowsOf::bodies, "part/predicted", numbers, all);
-  each([](double* state, const double* row) { std::copy_n(row, numbers, state); });
-}
-
 /// The part of a simulation's state that every step needs; counters, ledger and observers are with the whole.
-StateWalk walk_of(Simulation& sim, bool with_states = false) {
-  return [&sim, with_states](StateVisitor& visitor) {
+StateWalk walk_of(Simulation& sim) {
+  return [&sim](StateVisitor& visitor) {
     sim.pipeline.each_stage([&](auto& stage) { stage.visit(visitor); });
     sim.world.visit(visitor);
     for (auto& event : sim.events)
       if (event->is_local()) event->visit(visitor);
-    if (with_states) visit_states(sim.world, visitor);
   };
 }
+
+StateImage image_of(Simulation& sim) { return image_of(walk_of(sim), &sim.world); }
+void restore(StateImage& image, Simulation& sim) { restore(image, walk_of(sim), &sim.world); }
 
 }  // namespace
 
 /// The rows that have come are the state; their owners tell each other.
-void Part::settle(StateImage& image, const Arrival& arrival, bool with_states) {
+void Part::settle(StateImage& image, const Arrival& arrival, bool begun) {
   forget_slots(sim_);
-  restore(image, walk_of(sim_, with_states));
+  restore(image, sim_);
   SharedModel* const model = shared_model();
   by_states_ = model && model->tells_states(only_spheres_);
-  if (with_states) model->take_states();
+  if (begun) model->take_states();
   World& world = sim_.world;
   place_ = arrival.place;
   world.owner = owners_of(arrival);
@@ -83,7 +72,7 @@ void Part::settle(StateImage& image, const Arrival& arrival, bool with_states) {
 
 void Part::receive(Simulation* whole) {
   RankTimer timer(figures_);
-  StateImage image = image_of(walk_of(whole ? *whole : sim_));
+  StateImage image = image_of(whole ? *whole : sim_);
   if (!whole) drop_rows(image);
   take_common(image);
   const World& world = whole ? whole->world : sim_.world;
@@ -103,11 +92,11 @@ void Part::receive(Simulation* whole) {
 void Part::move(double longest) {
   territory_.suit(longest, all_, all_ghosts_);
   if (is_uneven_) territory_.cut_by_owners(sim_.world, sim_.world.owner, work_.take(), worked_, all_);
-  const bool with_states = has_begun();
-  StateImage image = image_of(walk_of(sim_, with_states));
+  const bool begun = has_begun();
+  StateImage image = image_of(sim_);
   const Arrival arrival =
       exchange_rows(image, territory_.routes(sim_.world, sim_.world.owner, place_, {rank_number()}));
-  settle(image, arrival, with_states);
+  settle(image, arrival, begun);
   figures_.moved += 1.0;
 }
 
@@ -116,10 +105,10 @@ void Part::give(Simulation* whole, bool goes_on) {
   sum_overlaps();
   join_virial();
   if (!goes_on && !told_) told_ = contact_rows();  // springs leave their contacts below
-  StateImage image = image_of(walk_of(sim_));
+  StateImage image = image_of(sim_);
   sum_shares(image);
   exchange_rows(image, routes_home(sim_.world, place_));
-  if (whole) restore(image, walk_of(*whole));
+  if (whole) restore(image, *whole);
   timer.lap(RankStage::sharing);
 }
 

@@ -50,7 +50,7 @@ class Part {
  private:
   void move(double longest);
   bool hold(double dt);
-  void settle(StateImage& image, const Arrival& arrival, bool with_states);
+  void settle(StateImage& image, const Arrival& arrival, bool begun);
   /// The next step, and what contacts read of its bodies is in their states.
   bool has_begun() const { return by_states_ && sim_.is_ahead(); }
   void give_bodies(Simulation* whole);

@@ -16,12 +16,6 @@ constexpr int tag_of_rows = 12;
 
 }  // namespace
 
-/// Rows [begin, end) of one rank.
-struct Plan::Share {
-  int rank;
-  std::size_t begin, end;
-};
-
 struct Plan::Messages {
   std::vector<std::size_t> order;  ///< of the rows, by rank
   bool in_order = true;            ///< that is the order in which they are
@@ -64,6 +58,9 @@ std::size_t Plan::received() const {
   const std::vector<Share>& in = messages_->in;
   return in.empty() ? 0 : in.back().end;
 }
+
+std::span<const Plan::Share> Plan::to_ranks() const { return messages_->out; }
+std::span<const Plan::Share> Plan::from_ranks() const { return messages_->in; }
 
 void Plan::begin(const RowBytes& rows, std::size_t row, RowBytes& arrived) {
   EPAFI_REQUIRE(rows.size() == sent() * row, "a row for each place of the plan");

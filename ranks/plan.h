@@ -4,6 +4,7 @@
 #pragma once
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "ranks/row_bytes.h"
@@ -19,8 +20,17 @@ class Plan {
   Plan& operator=(Plan&&) noexcept;
   ~Plan();
 
+  /// Rows [begin, end) of one rank.
+  struct Share {
+    int rank;
+    std::size_t begin, end;
+  };
+
   std::size_t sent() const;
   std::size_t received() const;
+  /// Rows that go to each rank, of those in the order of ranks, and that come from each.
+  std::span<const Share> to_ranks() const;
+  std::span<const Share> from_ranks() const;
   /// Sends rows of this size [B], in the order of `to`. They arrive by rank, in the order of the sender.
   void run(const RowBytes& rows, std::size_t row, RowBytes& arrived) {
     begin(rows, row, arrived);
@@ -32,7 +42,6 @@ class Plan {
   void finish();
 
  private:
-  struct Share;
   struct Messages;
   static std::vector<Share> shares_of(const std::vector<int>& counts);
   std::unique_ptr<Messages> messages_;

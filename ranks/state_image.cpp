@@ -13,30 +13,39 @@ namespace epafi {
 
 namespace {
 
+const std::string states_name = "world/states";
+
 class ImageSaver final : public StateVisitor {
  public:
+  explicit ImageSaver(bool with_states) : with_states_(with_states) {}
   StateImage image;
 
  protected:
+  bool only_counts() const override { return with_states_; }  // of columns in records, which are in the states
   std::size_t bytes_of(std::string_view, std::size_t, std::size_t current) override { return current; }
   void exchange(std::string_view name, std::size_t element, std::byte* data, std::size_t bytes) override {
+    if (data == nullptr && bytes > 0) return;
     image.push_back({std::string(name), whose(), element, RowBytes(bytes)});
     if (bytes > 0) std::memcpy(image.back().data.data(), data, bytes);
   }
+
+ private:
+  bool with_states_;
 };
 
 class ImageLoader final : public StateVisitor {
  public:
-  explicit ImageLoader(StateImage& image) : image_(image) {}
+  ImageLoader(StateImage& image, bool with_states) : image_(image), with_states_(with_states) {}
   bool has(std::string_view name) const override { return find(name) != nullptr; }
 
  protected:
+  bool only_counts() const override { return with_states_; }
   std::size_t bytes_of(std::string_view name, std::size_t, std::size_t) override {
     EPAFI_REQUIRE(has(name), "both states have the same columns");
     return find(name)->data.size();
   }
   void exchange(std::string_view name, std::size_t, std::byte* data, std::size_t bytes) override {
-    if (bytes > 0) std::memcpy(data, find(name)->data.data(), bytes);
+    if (data != nullptr && bytes > 0) std::memcpy(data, find(name)->data.data(), bytes);
   }
 
  private:
@@ -45,6 +54,7 @@ class ImageLoader final : public StateVisitor {
     return at == image_.end() ? nullptr : &*at;
   }
   StateImage& image_;
+  bool with_states_;
 };
 
 /// Columns whose rows are sent together.
@@ -270,15 +280,26 @@ void find_slots(StateImage& image) {
 
 }  // namespace
 
-StateImage image_of(const StateWalk& walk) {
-  ImageSaver saver;
+StateImage image_of(const StateWalk& walk, const World* world) {
+  const bool with_states = world && world->columns().states;
+  ImageSaver saver(with_states);
   walk(saver);
+  if (with_states) {
+    const auto states = std::as_bytes(world->states());
+    saver.image.push_back({states_name, RowsOf::bodies, sizeof(BodyState), RowBytes(states.begin(), states.end())});
+  }
   return std::move(saver.image);
 }
 
-void restore(StateImage& image, const StateWalk& walk) {
-  ImageLoader loader(image);
+void restore(StateImage& image, const StateWalk& walk, World* world) {
+  const bool with_states = world && world->columns().states;
+  ImageLoader loader(image, with_states);
   walk(loader);
+  if (!with_states) return;
+  const RowBytes& from = std::ranges::find(image, states_name, &ImageColumn::name)->data;
+  const auto to = std::as_writable_bytes(world->states());
+  EPAFI_REQUIRE(to.size() == from.size(), "a state for each body");
+  if (!to.empty()) std::memcpy(to.data(), from.data(), to.size());
 }
 
 Arrival exchange_rows(StateImage& image, const Routes& routes) {

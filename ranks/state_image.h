@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/state/state_visitor.h"
+#include "engine/state/world.h"
 #include "ranks/row_bytes.h"
 
 namespace epafi {
@@ -21,9 +22,10 @@ struct ImageColumn {
 using StateImage = std::vector<ImageColumn>;
 using StateWalk = std::function<void(StateVisitor&)>;
 
-StateImage image_of(const StateWalk& walk);
+/// world: that of the walk, where its states of bodies go as they are, with all that contacts read of them.
+StateImage image_of(const StateWalk& walk, const World* world = nullptr);
 /// Into the state that the walk shows; it has the same columns.
-void restore(StateImage& image, const StateWalk& walk);
+void restore(StateImage& image, const StateWalk& walk, World* world = nullptr);
 
 /// Destinations of the rows of a state.
 struct Routes {

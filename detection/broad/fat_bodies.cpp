@@ -145,12 +145,14 @@ void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
   resize_columns(n);
   // with images, pairs of spheres are separated from the others after they are named
   role.resize(setup.spheres.wanted && !world.cell ? n : 0);
+  elsewhere.resize(world.owner.empty() || role.empty() ? 0 : n);
   parallel_for(n, [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
     id[i] = static_cast<std::uint32_t>(world.id[s]);
     type[i] = static_cast<std::uint8_t>(ShapeRef{world.shape[s]}.type());
     immovable[i] = !world.is_movable(s);
     if (!role.empty()) role[i] = setup.spheres.of(world, s);
+    if (!elsewhere.empty()) elsewhere[i] = world.owner[s] == World::elsewhere;
   });
   round_ = block_max<char>(n, 0, [&](std::size_t i) {
              return static_cast<char>(!is_sphere(i) && type[i] != ShapeStore::type_of<HalfSpace>());

@@ -106,6 +106,7 @@ struct FatBodies {
   std::vector<std::uint8_t> type;
   std::vector<char> immovable;
   std::vector<SphereRole> role;     ///< with setup.spheres.wanted
+  std::vector<char> elsewhere;      ///< bodies of other processes; empty: there are none
   std::vector<Quat> orientation;    ///< at the last update, in worlds that rotate
   std::vector<Slot> ordinary;       ///< bounded bodies, ascending
   std::vector<Slot> apart;          ///< unbounded bodies and a few giants, ascending: tested one by one against all
@@ -138,6 +139,7 @@ struct FatBodies {
     const double depth = p.normal.dot(position(i) - p.point) - ball[i].r;
     return (boxes.empty() ? depth : std::max(depth, corner_depth(i, p))) <= p.reach;
   }
+  bool is_elsewhere(Slot i) const { return !elsewhere.empty() && elsewhere[i] != 0; }
   bool is_sphere_apart(Slot i) const { return role.empty() ? only_spheres : role[i] == SphereRole::sphere; }
   bool may_touch(Slot i, Slot j, const PairFilter& filter) const {
     return !(immovable[i] && immovable[j]) &&

@@ -115,7 +115,7 @@ void PairCollector::add_planes(Block& block, Slot i) const {
 
 void PairCollector::add_apart(Block& block, Slot i) {
   const bool sphere = bodies_.is_sphere_apart(i);
-  if (sphere) add_planes(block, i);
+  if (sphere && !bodies_.is_elsewhere(i)) add_planes(block, i);
   const std::size_t count = sphere ? other_.size() : bodies_.apart.size();
   for (std::size_t n = 0; n < count; ++n) {
     const std::size_t k = sphere ? other_[n] : n;
@@ -139,6 +139,7 @@ void PairCollector::add_higher(Block& block, Slot i, std::span<const Slot> candi
     *out = j;
     out += static_cast<int>(j > i);
   }
+  if (bodies_.is_elsewhere(i)) out = std::remove_if(first, out, [&](Slot j) { return bodies_.elsewhere[j] != 0; });
   sort_run(first, out);
   block.spheres.resize(begin + static_cast<std::size_t>(out - first));
 }
@@ -153,9 +154,9 @@ void PairCollector::add(std::size_t block, Slot i, std::span<const Slot> candida
     if (sphere) mine.spheres.insert(mine.spheres.end(), {i, 0});
     for (Slot j : candidates) {
       if (!sure && !bodies_.near(i, j)) continue;
-      if (sphere && bodies_.is_sphere_apart(j))
-        mine.spheres.push_back(j);
-      else if (bodies_.may_touch(i, j, filter_))
+      if (sphere && bodies_.is_sphere_apart(j)) {
+        if (!(bodies_.is_elsewhere(i) && bodies_.is_elsewhere(j))) mine.spheres.push_back(j);
+      } else if (bodies_.may_touch(i, j, filter_))
         place(mine, i, j);
     }
   }

@@ -5,6 +5,9 @@ function any_of(list, parts) { return parts[1 + int(split(list, parts, "|") * ra
 function between(a, b) { return sprintf("%.4g", a + (b - a) * rand()) }
 function entry(table, name) { printf "[[%s]]\nname = \"%s\"\n", table, name }
 function motion() {
+  if (one_in(3))
+    return "motion = { table = [[0, 0, 0, 0], [0.01, " between(0, 0.002) ", 0, " between(-0.001, 0.001) \
+           "], [0.03, 0, 0, 0], [1, 0, 0, 0]], of = \"displacement\" }"
   return "motion = { oscillation = { direction = [" any_of("0|1") ", 0, 1], amplitude = 0.001, frequency = " \
          between(20, 60) " } }"
 }
@@ -40,7 +43,7 @@ function draw_contact(law) {
 function draw_grains(k) {
   if (one_in(3)) return "\"ball\", \"bead\""
   grains = "\"four\""
-  for (k = 0; k < 3; ++k) grains = grains ", \"" any_of("ball|bead|pair|four|box|rod") "\""
+  for (k = 0; k < 3; ++k) grains = grains ", \"" any_of("ball|bead|pair|four|box|rod|stone|drop") "\""
   return grains
 }
 function draw_walls(periodic, k, held, names) {
@@ -50,8 +53,8 @@ function draw_walls(periodic, k, held, names) {
   if (has_lid)
     wall("lid", "0, 0, -1", "0, 0, 0.11",
          "motion = { servo = { force = 2.0, direction = [0, 0, -1], mass = 0.05, max_speed = 1.0 } }")
-  split("ball|four|box", names, "|")
-  for (k = 1; k <= 3; ++k) {
+  split("ball|four|box|net|stone", names, "|")
+  for (k = 1; k <= 5; ++k) {
     if (!one_in(3)) continue
     held = names[k]
     entry("body", "held_" held)
@@ -100,6 +103,10 @@ BEGIN {
         "[[0, 0, 0, 0.004], [0.004, 0, 0, 0.004], [0, 0.004, 0, 0.003], [0, 0, 0.005, 0.003]]"
   print "shape.box = { box = { size = [0.012, 0.009, 0.007] } }"
   print "shape.rod = { capsule = { radius = 0.003, length = 0.008 } }"
+  print "shape.stone.polyhedron.vertices = " \
+        "[[-0.006, -0.006, -0.005], [0.007, -0.006, -0.005], [0, 0.008, -0.005], [0, 0, 0.007]]"
+  print "shape.drop = { ellipsoid = { semi_axes = [0.006, 0.004, 0.003] } }"
+  print "shape.net.mesh.file = \"net.obj\""
   grains = draw_grains()
   draw_walls(periodic)
   fill("grains", between(30, 100), between(-0.5, 0.5) ", 0, -1", "0.004, 0.004, 0.018", "0.096, 0.076, 0.108",

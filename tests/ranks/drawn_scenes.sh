@@ -4,7 +4,7 @@
 set -u
 alone=$1 shared=$2 folder=$3 cases=$4; shift 4
 here=$(dirname "$0") bad=0
-mkdir -p "$folder"
+mkdir -p "$folder" && cp "$here/net.obj" "$folder"
 for seed in "$@"; do
   awk -v seed="$seed" -f "$here/draw_scene.awk" > "$folder/$seed.toml"
   "$here/same_bits.sh" "$alone" "$shared" "$folder/$seed" "$cases" 700 "$folder/$seed.toml" ||

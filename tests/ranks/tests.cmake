@@ -53,6 +53,9 @@ epafi_same_bits(arch_acts "3x1" 400 ${library}/stages/tilted_arch.toml)
 add_test(NAME "ranks: drawn scenes" COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/ranks/drawn_scenes.sh $<TARGET_FILE:epafi>
   $<TARGET_FILE:epafi-mpi> ${PROJECT_BINARY_DIR}/ranks/drawn_scenes "2x1 3x1" 2 15)
 set_tests_properties("ranks: drawn scenes" PROPERTIES LABELS "fast;ranks" TIMEOUT 300 PROCESSORS 2)
+add_test(NAME "ranks: drawn kills" COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/ranks/drawn_kills.sh $<TARGET_FILE:epafi>
+  $<TARGET_FILE:epafi-mpi> ${PROJECT_BINARY_DIR}/ranks/drawn_kills 2 6)
+set_tests_properties("ranks: drawn kills" PROPERTIES LABELS "fast;ranks" TIMEOUT 300 PROCESSORS 2)
 add_test(NAME "ranks: faults" COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/ranks/faults.sh $<TARGET_FILE:epafi>
   $<TARGET_FILE:epafi-mpi> ${PROJECT_BINARY_DIR}/ranks/faults ${PROJECT_SOURCE_DIR}/scenes/library/bed/bed.toml
   ${PROJECT_SOURCE_DIR}/tests/ranks/impulses.toml)

@@ -176,7 +176,7 @@ void SphereBlocks::set_constants(World& world, std::span<const double> radius, s
       plain_.size() - first / 4,
       [&](std::size_t k) {
         const std::size_t four = first / 4 + k;
-        plain_[four] = may_be_plain && are_plain(world, 4 * four);
+        plain_[four] = may_be_plain ? plainness(world, 4 * four) : std::uint8_t{0};
         for (std::size_t s = std::max(first, 4 * four); s < std::min(world.size(), 4 * four + 4); ++s) {
           states[s].position[3] = states[s].spin[3] = radius[s - first];
           if (world.columns().anisotropy) states[s].predicted[3] = world.inverse_inertia_of(static_cast<Slot>(s)).x();

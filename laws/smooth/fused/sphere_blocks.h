@@ -177,7 +177,9 @@ class SphereBlocks {
   std::vector<Block>& blocks() { return blocks_; }
   const std::vector<Block>& blocks() const { return blocks_; }
   const std::vector<SpherePlane>& planes() const { return planes_; }
-  /// By four bodies: laws/smooth/fused/body_pass.h may process them together.
+  /// By four bodies: not 0 where laws/smooth/fused/body_pass.h may process them together, since all are free and of
+  /// equal moments; plain_elsewhere: their owners, other processes, tell how they go on.
+  static constexpr std::uint8_t plain_elsewhere = 2;
   const std::uint8_t* plain() const { return plain_.data(); }
   /// Sets the number of accumulators (sums of a block) in use at once.
   void set_accumulators(std::size_t accumulators);
