@@ -267,7 +267,7 @@ void LaneSweep<Rotates, Rule>::load(const ContactProblem& problem, const LaneGro
   groups_ = &groups;
   renew(rows_, groups_->rows());
   renew(change_, lane_count * groups_->size());
-  groups_->each(pays(), [&](const LaneGroup& group) {
+  const auto fill = [&](const LaneGroup& group) {
     for (std::uint32_t k = group.begin; k < group.end; ++k) {
       if (const auto least = *std::min_element(group.count.begin(), group.count.end()); k - group.begin >= least)
         rows_[k] = Row{};
@@ -275,7 +275,8 @@ void LaneSweep<Rotates, Rule>::load(const ContactProblem& problem, const LaneGro
         if (const std::size_t i = group.first[lane] + k - group.begin; k - group.begin < group.count[lane])
           load_lane<Row, Rule>(problem, i, offset[i], lag.empty() ? nullptr : &lag[i], r[i], lane, rows_[k]);
     }
-  });
+  };
+  groups_->each(pays(), std::ref(fill));  // by reference: no allocation
 }
 
 template <bool Rotates, LaneRule Rule>
