@@ -18,6 +18,9 @@ namespace epafi {
 
 void begin_ranks(int& argc, char**& argv) {
   int level = 0;
+#if defined(__unix__)  // OpenMPI polls without a break: on busy cores it keeps the rank that it waits for from running
+  setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
+#endif
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &level);
   if (level < MPI_THREAD_FUNNELED) {
     std::fputs("epafi: this MPI library cannot be used by programs with threads\n", stderr);
