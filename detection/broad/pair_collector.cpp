@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstring>
 
+#include "engine/lanes/lane_bits.h"
 #include "engine/threads/parallel_order.h"
 
 namespace epafi {
@@ -72,7 +74,7 @@ void PairCollector::begin(std::size_t blocks, bool in_order) {
     }
 }
 
-void PairCollector::place(Block& block, Slot i, Slot j) {
+void PairCollector::place(Block& block, Slot i, Slot j) const {
   if (bodies_.id[i] < bodies_.id[j])
     block.own.push_back(j);
   else
@@ -80,50 +82,86 @@ void PairCollector::place(Block& block, Slot i, Slot j) {
 }
 
 void PairCollector::sort_apart() {
-  planes_.assign((bodies_.sphere_planes.size() + 3) / 4, FourPlanes{});
-  for (FourPlanes& four : planes_) four.reach = lanes(-infinity);  // a place without a plane: no body is near
+  planes_.clear();
+  plane_at_.clear();
   other_.clear();
-  std::size_t n = 0;
   for (std::size_t k = 0; k < bodies_.apart.size(); ++k) {
     const ApartPlane& p = bodies_.plane[k];
-    if (p.place == no_slot) {
-      other_.push_back(k);
+    if (!p.is_plane()) {
+      other_.push_back(bodies_.apart[k]);
       continue;
     }
-    FourPlanes& four = planes_[n / 4];
-    const std::size_t l = n++ % 4;
-    four.normal.x[l] = p.normal.x();
-    four.normal.y[l] = p.normal.y();
-    four.normal.z[l] = p.normal.z();
-    four.point.x[l] = p.point.x();
-    four.point.y[l] = p.point.y();
-    four.point.z[l] = p.point.z();
-    four.reach[l] = p.reach;
+    const std::size_t l = plane_at_.size() % 8;
+    plane_at_.push_back(static_cast<std::uint32_t>(k));
+    if (l == 0) std::ranges::fill(planes_.emplace_back().reach, -infinity);
+    EightPlanes& eight = planes_.back();
+    for (int axis = 0; axis < 3; ++axis) {
+      eight.normal[axis][l] = p.normal[axis];
+      eight.point[axis][l] = p.point[axis];
+    }
+    eight.reach[l] = p.reach;
+    if (p.loose) eight.loose |= 1u << l;
   }
 }
 
+namespace {
+/// Which planes a ball is near.
+struct PlaneSieve {
+  const std::vector<EightPlanes>& planes;
+  const Ball& ball;
+  std::uint8_t* near;  ///< a bit for each of eight
+
+  template <int n>
+  EPAFI_LANES void run() const {
+    using V = typename LanesOf<n>::Real;
+    const V x = V{} + ball.x, y = V{} + ball.y, z = V{} + ball.z;
+    std::uint8_t* out = near;
+    for (const EightPlanes& eight : planes) {
+      unsigned beyond = 0;
+      for (int l = 0; l < 8; l += n) {
+        const auto of = [l](const double* column) EPAFI_INLINED {
+          V some;
+          std::memcpy(&some, column + l, sizeof some);
+          return some;
+        };
+        const V height = of(eight.normal[0]) * (x - of(eight.point[0])) +
+                         of(eight.normal[1]) * (y - of(eight.point[1])) +
+                         of(eight.normal[2]) * (z - of(eight.point[2]));
+        beyond |= less_bits<n>(of(eight.reach), height - ball.r) << l;
+      }
+      *out++ = static_cast<std::uint8_t>(~beyond);
+    }
+  }
+};
+}  // namespace
+
+/// Tests balls: where these are not near a plane, boxes are not either.
 void PairCollector::add_planes(Block& block, Slot i) const {
-  const Ball& ball = bodies_.ball[i];
-  const Lanes3 x{lanes(ball.x), lanes(ball.y), lanes(ball.z)};
-  for (std::size_t g = 0; g < planes_.size(); ++g) {
-    const LaneMask near = planes_[g].normal.dot(x - planes_[g].point) - lanes(ball.r) <= planes_[g].reach;
-    if (!any(near)) continue;
-    for (std::size_t l = 0; l < 4; ++l)
-      if (near[l] != 0) block.spheres.push_back(SpherePairs::plane | static_cast<Slot>(4 * g + l));
-  }
+  block.near_planes.resize(planes_.size());
+  if (planes_.empty()) return;
+  best_loop<PlaneSieve>()({planes_, bodies_.ball[i], block.near_planes.data()});
+  const Vec3 centre = bodies_.position(i);
+  const bool is_stray = !bodies_.around.contains({centre, centre});
+  for (std::size_t g = 0; g < planes_.size(); ++g)
+    for (unsigned bits = block.near_planes[g] | (is_stray ? planes_[g].loose : 0u); bits != 0; bits &= bits - 1)
+      add_plane(block, i, plane_at_[8 * g + static_cast<std::size_t>(std::countr_zero(bits))]);
 }
 
-void PairCollector::add_apart(Block& block, Slot i) {
-  const bool sphere = bodies_.is_sphere_apart(i);
-  if (sphere && !bodies_.is_elsewhere(i)) add_planes(block, i);
-  const std::size_t count = sphere ? other_.size() : bodies_.apart.size();
-  for (std::size_t n = 0; n < count; ++n) {
-    const std::size_t k = sphere ? other_[n] : n;
-    const Slot w = bodies_.apart[k];
-    const ApartPlane& plane = bodies_.plane[k];
-    if (!bodies_.may_touch(i, w, filter_)) continue;
-    if (!(plane.is_plane() ? bodies_.near_plane(i, plane) : bodies_.near(i, w))) continue;
-    if (sphere && bodies_.is_sphere_apart(w))
+void PairCollector::add_plane(Block& block, Slot i, std::size_t k) const {
+  const ApartPlane& plane = bodies_.plane[k];
+  if (bodies_.is_sphere_apart(i) && plane.place != no_slot) {
+    if (!bodies_.is_elsewhere(i)) block.spheres.push_back(plane.place);
+    return;
+  }
+  if (!bodies_.may_touch(i, bodies_.apart[k], filter_)) return;
+  if (bodies_.boxes.empty() || bodies_.near_plane(i, plane)) place(block, i, bodies_.apart[k]);
+}
+
+void PairCollector::add_apart(Block& block, Slot i) const {
+  add_planes(block, i);
+  for (const Slot w : other_) {
+    if (!bodies_.may_touch(i, w, filter_) || !bodies_.near(i, w)) continue;
+    if (bodies_.is_sphere_apart(i) && bodies_.is_sphere_apart(w))
       block.spheres.push_back(w);
     else
       place(block, i, w);

@@ -4,7 +4,6 @@
 /// thread count.
 #pragma once
 #include "detection/broad/fat_bodies.h"
-#include "engine/lanes/lanes.h"
 #include "engine/state/contacts.h"
 
 namespace epafi {
@@ -12,6 +11,13 @@ namespace epafi {
 /// Puts entries (row, partner), sorted, among those of their rows, which are sorted too; rows up to `rows` begin or
 /// end where they have none.
 void insert_pairs(const std::vector<std::pair<Slot, Slot>>& entries, std::size_t rows, SpherePairs& list);
+
+/// Half-spaces side by side: a list tests each of them against every body.
+struct alignas(64) EightPlanes {
+  double normal[3][8]{}, point[3][8]{};
+  double reach[8];     ///< of a place without a plane -infinity: no body is near
+  unsigned loose = 0;  ///< a bit each
+};
 
 class PairCollector {
  public:
@@ -37,6 +43,7 @@ class PairCollector {
     std::vector<Pair> rest;
     std::vector<Slot> spheres;  ///< a sphere, the number of its partners, these; and so on; in order: partners alone
     Slot begin = no_slot;       ///< in order: the first of its spheres
+    std::vector<std::uint8_t> near_planes{};  ///< of one body, a bit for each of eight planes
   };
   struct Run {
     std::uint32_t block = 0, begin = 0, size = 0;
@@ -45,13 +52,9 @@ class PairCollector {
   const PairFilter& filter_;
   std::vector<Block> blocks_;
   bool in_order_ = false;
-  /// Half-spaces that spheres are listed with, four at a time: a list tests each of them against every sphere.
-  struct FourPlanes {
-    Lanes3 normal, point;
-    Lanes reach;
-  };
-  std::vector<FourPlanes> planes_;
-  std::vector<std::size_t> other_;                 ///< places in bodies_.apart of all others
+  std::vector<EightPlanes> planes_;
+  std::vector<std::uint32_t> plane_at_;            ///< their places in bodies_.apart
+  std::vector<Slot> other_;                        ///< bodies there that are none
   std::vector<Run> run_;                           ///< by slot of A
   std::vector<std::uint32_t> rest_begin_, begin_;  ///< by slot of A
   std::vector<Slot> rest_;                         ///< partners, grouped by A
@@ -59,10 +62,11 @@ class PairCollector {
 
   void sort_apart();
   void add_planes(Block& block, Slot i) const;
-  void add_apart(Block& block, Slot i);
+  void add_plane(Block& block, Slot i, std::size_t k) const;
+  void add_apart(Block& block, Slot i) const;
   void add_higher(Block& block, Slot i, std::span<const Slot> candidates) const;
   void join_in_order(SpherePairs& pairs);
-  void place(Block& block, Slot i, Slot j);
+  void place(Block& block, Slot i, Slot j) const;
   void group_rest();
 };
 
