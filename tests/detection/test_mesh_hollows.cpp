@@ -1,4 +1,8 @@
-// Balls inside concave polygons of triangles: the force is continuous wherever they are pressed or roll.
+// Balls and other round bodies inside concave polygons of triangles: the force is continuous wherever they are pressed
+// or roll.
+#include "detection/shapes/capsule.h"
+#include "detection/shapes/cylinder.h"
+#include "detection/shapes/ellipsoid.h"
 #include "detection/shapes/hull_from_points.h"
 #include "tests/detection/mesh_floors.h"
 
@@ -43,21 +47,20 @@ Vec3 force_of(const ContactSet& contacts, double power) {
   return force;
 }
 
-}  // namespace
+/// A body that touches the polygon with `ends` points of radius `radius` is carried around in it, at one overlap.
+struct Rolling {
+  int sides, ends;
+  double radius, overlap;
 
-TEST_CASE("the force on a ball inside a polygon of 12 to 200 sides is continuous up to overlaps of a twentieth of R",
-          "[detection][mesh-pairs]") {
-  Random random(641, 0);
-  for (int draw = 0; draw < 60; ++draw) {
-    const int sides = 12 + static_cast<int>(draw % 2 == 0 ? random.bits() % 20 : random.bits() % 189);
-    const double radius = random.uniform(0.05, 0.95), overlap = radius * std::pow(10.0, random.uniform(-3.0, -1.302));
+  template <class S>
+  void check(const S& shape, Random& random) const {
     const bool single = random.bits() % 2 == 0;
     const double precision = single ? 1.2e-7 : 0.0;
     const std::array<TriangleMesh, 2> meshes{
         TriangleMesh::from_surface(tube_surface(random, sides, true, single), precision),
         TriangleMesh::from_surface(tube_surface(random, sides, false, single), precision)};
     const double z = random.uniform(-0.3, 0.3), start = random.uniform(0, 2 * pi), bend = 2.0 * pi / sides;
-    const auto ball_at = [&](double angle) {
+    const auto body_at = [&](double angle) {
       const double from_middle = std::remainder(angle - 0.5 * bend, bend);  // of the side
       const double away = (1.0 - radius + overlap) / std::cos(from_middle);
       return Pose{{away * std::cos(angle), away * std::sin(angle), z}, Quat(1, 0, 0, 0)};
@@ -68,9 +71,8 @@ TEST_CASE("the force on a ball inside a polygon of 12 to 200 sides is continuous
     double jump = 0.0, differ = 0.0;
     std::size_t most = 0;
     for (int k = 0; k <= steps; ++k) {
-      const Pose body = ball_at(start + step * k);
-      const ContactSet one = contacts_with(Sphere{radius}, body, meshes[0]),
-                       other = contacts_with(Sphere{radius}, body, meshes[1]);
+      const Pose body = body_at(start + step * k);
+      const ContactSet one = contacts_with(shape, body, meshes[0]), other = contacts_with(shape, body, meshes[1]);
       most = std::max(most, one.size());
       differ = std::max(differ, (force_of(one, 1.0) - force_of(other, 1.0)).norm() / overlap);
       for (const double power : {1.0, 1.5}) {
@@ -80,10 +82,42 @@ TEST_CASE("the force on a ball inside a polygon of 12 to 200 sides is continuous
         last = force;
       }
     }
-    INFO("draw " << draw << ": " << sides << " sides, R " << radius << ", overlap " << overlap / radius << " R");
-    CHECK(jump < 3.5 * moved);  // stiffness 1 or, of N = overlap^1.5, 1.5: of each of two contacts
-    CHECK(differ < 1e-6);
-    if (sides >= 20) CHECK(most == 1);
+    INFO(S::name << ": " << sides << " sides, R " << radius << ", overlap " << overlap / radius << " R");
+    CHECK(jump < 3.5 * ends * moved);  // stiffness 1 or, of N = overlap^1.5, 1.5: of each of two contacts
+    CHECK(differ < 1e-6 * ends);
+    if (sides >= 20) CHECK(most == static_cast<std::size_t>(ends));
+  }
+};
+
+/// Half of the draws have few sides.
+Rolling random_rolling(Random& random, int draw, int least, int ends) {
+  const int sides = least + static_cast<int>(draw % 2 == 0 ? random.bits() % 20 : random.bits() % 189);
+  const double radius = random.uniform(0.05, 0.95), overlap = radius * std::pow(10.0, random.uniform(-3.0, -1.302));
+  return {sides, ends, radius, overlap};
+}
+
+}  // namespace
+
+TEST_CASE("the force on a ball inside a polygon of 12 to 200 sides is continuous up to overlaps of a twentieth of R",
+          "[detection][mesh-pairs]") {
+  Random random(641, 0);
+  for (int draw = 0; draw < 60; ++draw) {
+    INFO("draw " << draw);
+    const Rolling rolling = random_rolling(random, draw, 12, 1);
+    rolling.check(Sphere{rolling.radius}, random);
+  }
+}
+
+TEST_CASE("capsules, cylinders and ellipsoids along a polygon touch its smooth side as balls do",
+          "[detection][mesh-pairs]") {
+  Random random(645, 0);
+  for (int draw = 0; draw < 45; ++draw) {
+    INFO("draw " << draw);
+    const Rolling rolling = random_rolling(random, draw, 20, draw % 3 == 2 ? 1 : 2);
+    const double r = rolling.radius, length = random.uniform(0.3, 1.0);
+    if (draw % 3 == 0) rolling.check(Capsule(r, std::max(length, 0.3 * r)), random);
+    if (draw % 3 == 1) rolling.check(Cylinder(r, length), random);
+    if (draw % 3 == 2) rolling.check(Ellipsoid({r, r, random.uniform(0.3, 1.0) * r}), random);
   }
 }
 

@@ -2,48 +2,32 @@
 
 #include <cmath>
 
-#include "engine/state/frame.h"
+#include "detection/narrow/gjk/gjk.h"
 
 namespace epafi {
 namespace {
 
 constexpr double same = 1e-6;  // the manifold's snap distance, and an angle no contact law can feel
 
-/// Keeps the corners of the convex outline of the points seen along the normal (Andrew 1979), and the deepest point if
-/// it is deeper. Points between corners, where a flat side crosses edges of the mesh, are dropped, so that the result
-/// does not depend on the triangles.
-void keep_outline(std::vector<PatchPoint>& points, const Vec3& normal, double tolerance) {
-  if (points.size() <= 4) return;
-  const ContactFrame frame = contact_frame(normal);
-  const auto x = [&](const PatchPoint& p) { return frame.tangent1.dot(p.position); };
-  const auto y = [&](const PatchPoint& p) { return frame.tangent2.dot(p.position); };
-  const auto shallower = [](const PatchPoint& a, const PatchPoint& b) { return a.gap < b.gap; };
-  const PatchPoint deepest = *std::min_element(points.begin(), points.end(), shallower);
-  std::sort(points.begin(), points.end(),
-            [&](const PatchPoint& a, const PatchPoint& b) { return std::pair(x(a), y(a)) < std::pair(x(b), y(b)); });
-  static thread_local std::vector<PatchPoint> outline;  // keeps its size
-  outline.clear();
-  const auto chain = [&](const auto begin, const auto end) {
-    const std::size_t base = outline.size();
-    for (auto p = begin; p != end; ++p) {
-      while (outline.size() >= base + 2) {  // the last corner goes where it lies right of, or on, the line past it
-        const PatchPoint &a = outline[outline.size() - 2], &b = outline.back();
-        const double ux = x(*p) - x(a), uy = y(*p) - y(a);
-        if (ux * (y(b) - y(a)) - uy * (x(b) - x(a)) < -tolerance * std::sqrt(ux * ux + uy * uy)) break;
-        outline.pop_back();
-      }
-      outline.push_back(*p);
-    }
-    outline.pop_back();  // the next chain begins with it
-  };
-  chain(points.begin(), points.end());
-  chain(points.rbegin(), points.rend());
-  const double least = std::min_element(outline.begin(), outline.end(), shallower)->gap;
-  if (deepest.gap < least - tolerance) outline.push_back(deepest);
-  points.assign(outline.begin(), outline.end());
-}
-
 }  // namespace
+
+/// The shortest way out of planes is y with n . y >= depth of each: the distance from a convex set, which turns
+/// continuously (Rockafellar and Wets 1998, 2.23). With n / depth as the point of a plane it is p / |p|^2 of the point
+/// p of their hull that is nearest to the origin. first: one of the points.
+Vec3 nearest_of_hull(const Vec3& first, std::span<const Vec3> points) {
+  Simplex nearest;
+  nearest.count = 1;
+  Vec3 place = nearest.vertex[0].y = first;
+  const auto is_nearer = [&](const Vec3& v, const Vec3& w) { return v.dot(place) < w.dot(place); };
+  bool around = false;
+  for (std::size_t rounds = 0; rounds < 4 * points.size() && !around; ++rounds) {
+    const Vec3& point = *std::ranges::min_element(points, is_nearer);
+    if (point.dot(place) >= (1.0 - 1e-12) * place.squaredNorm()) break;
+    nearest.vertex[static_cast<std::size_t>(nearest.count++)].y = point;
+    place = closest_to_origin(nearest, around);
+  }
+  return place;
+}
 
 void drop_far(const TriangleMesh& mesh, const Vec3& x, double distance, std::size_t first,
               std::vector<std::uint32_t>& triangles) {
@@ -89,7 +73,6 @@ void reduce(std::vector<MeshPoint>& points, double size, double flatness, bool s
       return true;
     });
     const bool corners = std::ranges::all_of(group, is_corner_of_body, &PatchPoint::feature);
-    if (!springs || !corners) keep_outline(group, n, same * size);
     Patch patch;
     keep_corners(group, n, size, springs && corners, patch);
     for (int k = 0; k < patch.count; ++k) {

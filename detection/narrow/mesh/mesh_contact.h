@@ -26,6 +26,9 @@ constexpr Feature mesh_feature(std::uint32_t triangle, std::uint32_t local) {
   return Feature{triangle & 0xfffffffu} << 28 | (local & 0xfffffffu);
 }
 
+constexpr std::uint32_t triangle_of(Feature f) { return static_cast<std::uint32_t>(f >> 28) & 0xfffffffu; }
+constexpr std::uint32_t local_of(Feature f) { return static_cast<std::uint32_t>(f) & 0xfffffffu; }
+
 /// A point of a flat side: its kind (2 bits), what it is on the body (16 and 8 bits), 1 + side of the triangle that
 /// cuts the body there (2 bits).
 constexpr std::uint32_t local_name(Feature f, std::uint32_t cut = 0) {
@@ -73,15 +76,39 @@ inline Vec3 normal_towards(const TriangleMesh& mesh, std::uint32_t t, const Vec3
   return n.dot(x - mesh.vertices[mesh.triangles[t][0]]) < 0.0 ? Vec3(-n) : n;
 }
 
+constexpr double one_spot = 0.86602540378443864676;  // cosine of 30 degrees: what a point of a body touches there
+
+/// The surface around triangle t that bodies touch as one: with edges of less than 18 degrees, or of rigid laws of one.
+inline std::uint32_t smooth_around(const TriangleMesh& mesh, std::uint32_t t, bool springs) {
+  return springs ? mesh.around[t].smooth : mesh.around[t].gentle;
+}
+/// True if x is over the triangle, or only beyond smooth edges that are concave on the side of `normal`: its plane goes
+/// on there.
+inline bool goes_on_to(const TriangleMesh& mesh, std::uint32_t t, const Vec3& normal, const Vec3& x, bool springs,
+                       double tolerance) {
+  const EdgeKind hollow = normal.dot(mesh.normals[t]) > 0.0 ? EdgeKind::concave : EdgeKind::convex;
+  const auto corner = mesh.corners(t);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const bool goes_on = mesh.edge_kinds[t][k] == hollow &&
+                         smooth_around(mesh, mesh.neighbours[t][k], springs) == smooth_around(mesh, t, springs);
+    if (!goes_on && mesh.inward[t][k].dot(x - corner[k]) < -tolerance) return false;
+  }
+  return true;
+}
+
+/// The shortest way out of planes of a concave surface is y with n . y >= depth of each: the distance from a convex
+/// set, which turns continuously (Rockafellar and Wets 1998, 2.23). With n / depth as the point of a plane it is
+/// p / |p|^2 of the point p of their hull that is nearest to the origin. first: one of the points.
+Vec3 nearest_of_hull(const Vec3& first, std::span<const Vec3> points);
+
 /// Removes the triangles after the first `first` ones that are farther than `distance` [m] from x: the box of an
 /// oblique triangle is much larger than the triangle.
 void drop_far(const TriangleMesh& mesh, const Vec3& x, double distance, std::size_t first,
               std::vector<std::uint32_t>& triangles);
 
 /// Merges points that are one (within 1e-6 of `size`), keeping the lowest feature; of points with one normal keeps all
-/// if they are corners of the body and springs act there, else those that keep_four takes of their outline
-/// (manifold.h). Normals are one within 1e-6, or within the angle that `flatness` [m] of the mesh's faces leaves open
-/// over the size.
+/// if they are corners of the body and springs act there, else those that keep_four takes (manifold.h). Normals are one
+/// within 1e-6, or within the angle that `flatness` [m] of the mesh's faces leaves open over the size.
 void reduce(std::vector<MeshPoint>& points, double size, double flatness, bool springs);
 
 /// Contacts of these points. radius_towards(n): the body's radius for R* where n leaves it, in axes of the mesh [m].

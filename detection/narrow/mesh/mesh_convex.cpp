@@ -62,15 +62,19 @@ class ConvexOnMesh {
     mesh_ = &mesh;
     sink_ = &sink;
     const Pose pose{q.b.to_local(q.a.position), q.b.orientation.conjugate() * q.a.orientation};
-    const double size = guest.core.radius;
+    const double size = guest.core.radius + guest.sweep;
     b_ = {guest.core, guest.sweep, pose, pose.orientation.toRotationMatrix(), q.reach, on_surface * size, &mesh};
+    springs_ = !(q.reach > 0.0);
     out_.clear();
+    beyond_.clear();
     if (!find_near(triangles)) return;
     if (all_plain(mesh, triangles_))
       on_face(triangles_.front(), normal_towards(mesh, triangles_.front(), pose.position), Face::plain);
     else
       meet_regions();
-    reduce(out_, size, mesh.joined.flatness, !(q.reach > 0.0));
+    if (out_.empty() && !beyond_.empty()) out_.push_back(*std::ranges::min_element(beyond_, {}, &MeshPoint::gap));
+    join_smooth();
+    reduce(out_, size, mesh.joined.flatness, springs_);
     const auto radius_towards = [&](const Vec3& n) {
       return guest.radius.against_flat(pose.orientation.conjugate() * n);
     };
@@ -101,23 +105,23 @@ class ConvexOnMesh {
   void meet_regions() {
     find_sides(*mesh_, triangles_, b_.pose.position, fronts_);
     region_of_.assign(triangles_.size(), none);
-    solved_.clear();
-    lost_.gap = 0.0;
+    ways_.clear();
     for (const std::uint32_t t : near_) {
       if (region_of_[place_of(triangles_, t)] != none) continue;
       gather_region(b_, triangles_, t, fronts_[place_of(triangles_, t)], region_);
       for (const std::uint32_t member : region_.triangles)
-        if (std::size_t& known = region_of_[place_of(triangles_, member)]; known == none) known = solved_.size();
-      solved_.push_back({infinity, Vec3::Zero(), Vec3::Zero(), 0.0});
-      solve(solved_.back());
+        if (std::size_t& known = region_of_[place_of(triangles_, member)]; known == none) known = ways_.size();
+      const std::size_t before = out_.size();
+      const WayOut way = meet_region();
+      ways_.push_back(out_.size() > before ? way : WayOut{infinity, Vec3::Zero(), Vec3::Zero(), 0.0});
     }
-    if (out_.empty() && lost_.gap < 0.0) out_.push_back(lost_);
   }
 
-  /// The way out of the region; on a face where its plane is as good, within the tolerance. solved: what has contacts.
-  void solve(WayOut& solved) {
+  /// Adds the contacts along the shortest way out of the region, which it returns; on a face where its plane is as
+  /// good, within the tolerance.
+  WayOut meet_region() {
     WayOut way = find_way_out(b_, region_);
-    if (!(way.gap - b_.sweep < b_.reach)) return;
+    if (!(way.gap - b_.sweep < b_.reach)) return way;
     const RegionPlane& best = best_plane();
     bool bent = is_bent(way, best), held = is_on_surface(way.on_mesh);
     if ((!held || (bent && leans_on_others(way, way.on_mesh))) && continue_rims(b_, region_)) {
@@ -126,19 +130,23 @@ class ConvexOnMesh {
       held = !bent || is_on_rim(way, way.on_mesh) || is_on_surface(way.on_mesh);
     }
     if (way.uncertainty > narrow_enough * std::max(b_.core.radius, region_.radius)) sink_->mark_degenerate();
-    if (!held) return;
+    if (!held) return way;
     const std::size_t before = out_.size();
     const bool leans = bent && !on_edge(way) && leans_on_others(way, way.on_mesh);
+    const bool known = bent && !leans && is_known(way);
+    if (leans || known) out_.resize(before);
+    if (known) return way;
     if (!bent || leans) {
-      out_.resize(before);
       on_face(best.triangle, best.normal, leans ? Face::leaning : Face::bent);
-      if (leans && out_.size() == before && way.gap < lost_.gap) keep_lost(way);
+      if (leans && out_.size() == before) {  // all ways out may lean on others: edges that end in a notch
+        hold_deepest(way, before);
+        beyond_.insert(beyond_.end(), out_.begin() + static_cast<std::ptrdiff_t>(before), out_.end());
+        out_.resize(before);
+      }
       way = {best.gap, best.normal, way.on_mesh, 0.0};
-    } else if (is_known(way)) {
-      return out_.resize(before);
     }
     if (!leans) hold_deepest(way, before);
-    if (out_.size() > before) solved = way;
+    return way;
   }
 
   /// The points of an edge or corner of the region, along the way out. False: all lean on others.
@@ -190,7 +198,9 @@ class ConvexOnMesh {
   void hold_deepest(const WayOut& way, std::size_t before) {
     const double gap = way.gap - b_.sweep;
     const auto holds = [&](const MeshPoint& p) { return p.gap <= gap + b_.tolerance; };
+    const auto beside = [&](const MeshPoint& p) { return holds(p) && p.normal.dot(way.normal) > one_spot; };
     if (std::any_of(out_.begin() + static_cast<std::ptrdiff_t>(before), out_.end(), holds)) return;
+    if (std::ranges::any_of(beyond_, beside)) return;
     NearestOnTriangle nearest{Vec3::Zero(), infinity, TrianglePart::face};
     for (const std::uint32_t t : region_.triangles) {
       const NearestOnTriangle here = nearest_on_triangle(way.on_mesh, mesh_->corners(t));
@@ -201,15 +211,6 @@ class ConvexOnMesh {
     if (std::ranges::any_of(triangles_, hides)) return;
     const std::uint32_t name = local_name(make_feature(FeatureKind::single, 0, region_.front));
     out_.push_back({nearest.point + 0.5 * gap * way.normal, way.normal, gap, mesh_feature(region_.first, name)});
-  }
-
-  /// All ways out may lean on others: edges that end in a notch, the body deepest beyond it. The deepest remains.
-  void keep_lost(const WayOut& way) {
-    const std::size_t before = out_.size();
-    hold_deepest(way, before);
-    if (out_.size() == before) return;
-    lost_ = out_.back();
-    out_.pop_back();
   }
 
   /// True for walls around a notch, seen from behind: they bend away from each other, but enclose nothing.
@@ -253,8 +254,8 @@ class ConvexOnMesh {
   /// True if another region that contains the point is as deep there.
   bool is_known(const WayOut& way) const {
     for (std::size_t k = 0; k < triangles_.size(); ++k) {
-      if (region_of_[k] == none || !lies_on(*mesh_, triangles_[k], way.on_mesh, b_.tolerance)) continue;
-      const WayOut& known = solved_[region_of_[k]];
+      if (region_of_[k] >= ways_.size() || !lies_on(*mesh_, triangles_[k], way.on_mesh, b_.tolerance)) continue;
+      const WayOut& known = ways_[region_of_[k]];
       if (known.gap <= way.gap + b_.tolerance && known.normal.dot(way.normal) > same_edge_cosine) return true;
     }
     return false;
@@ -272,8 +273,11 @@ class ConvexOnMesh {
     guest_->on_plane(guest_->shape, HalfSpace{n}, {b_.pose, {point, Quat(1, 0, 0, 0)}, b_.reach, false, nullptr}, sink);
     for (std::size_t k = 0; k < on_plane_.size(); ++k) {
       const Vec3 x = b_.pose.position + on_plane_.arm[k];
+      const MeshPoint p{x, n, on_plane_.gap[k], mesh_feature(mesh_->face[t], local_name(on_plane_.feature[k]))};
       if (kind == Face::plain || (is_over(t, x) && came_through(t, n, x + (0.5 * on_plane_.gap[k]) * n)))
-        out_.push_back({x, n, on_plane_.gap[k], mesh_feature(mesh_->face[t], local_name(on_plane_.feature[k]))});
+        out_.push_back(p);
+      else if (!is_over(t, x) && goes_on(t, n, x))
+        beyond_.push_back(p);
     }
     if (out_.size() == before + on_plane_.size()) return;
     place(side_along, n, side_);
@@ -323,6 +327,47 @@ class ConvexOnMesh {
     out_.push_back(
         {p.x - (b_.sweep + 0.5 * gap) * n, n, gap, mesh_feature(corner ? mesh_->face[t] : t, local_name(name, p.cut))});
   }
+  /// The plane of t goes on to x over smooth concave edges of its face.
+  bool goes_on(std::uint32_t face, const Vec3& n, const Vec3& x) const {
+    return std::ranges::any_of(region_.triangles, [&](std::uint32_t t) {
+      return mesh_->face[t] == mesh_->face[face] && goes_on_to(*mesh_, t, n, x, springs_, b_.tolerance);
+    });
+  }
+  /// The triangle is of the smooth surface of that face and rises above its plane: a hollow.
+  bool holds_too(std::uint32_t face, const Vec3& n, std::uint32_t t) const {
+    if (smooth_around(*mesh_, t, springs_) != smooth_around(*mesh_, face, springs_)) return false;
+    const auto corner = mesh_->corners(t);
+    return n.dot(corner[0] + corner[1] + corner[2] - 3.0 * mesh_->vertices[mesh_->triangles[face][0]]) > 0.0;
+  }
+  /// A point of the body touches a smooth surface once: out of all its planes.
+  void join_smooth() {
+    const auto tip = [&](const MeshPoint& p) -> Vec3 { return p.position + (b_.sweep + 0.5 * p.gap) * p.normal; };
+    std::ranges::sort(out_, {}, [](const MeshPoint& p) { return std::pair(p.gap, p.feature); });
+    for (std::size_t i = 0; i < out_.size() && out_[i].gap < 0.0; ++i) {
+      MeshPoint& p = out_[i];
+      double radius = 0.0;  // of curvature of the body's core there
+      walls_.clear();
+      const auto joins = [&](const MeshPoint& o) {
+        const std::uint32_t s = triangle_of(p.feature), t = triangle_of(o.feature);
+        const double cosine = p.normal.dot(o.normal);
+        if (mesh_->face[s] == mesh_->face[t] || local_of(p.feature) != local_of(o.feature) || !(cosine > 0.0) ||
+            !holds_too(s, p.normal, t))
+          return false;
+        if (!(o.gap < cosine * p.gap)) return true;
+        walls_.push_back(p.gap / o.gap * o.normal);
+        const Vec3 turn = p.normal - o.normal;
+        radius = turn.dot(tip(o) - tip(p)) / turn.squaredNorm();
+        return true;
+      };
+      std::ranges::for_each(beyond_, joins);
+      out_.erase(std::remove_if(out_.begin() + static_cast<std::ptrdiff_t>(i) + 1, out_.end(), joins), out_.end());
+      if (walls_.empty()) continue;
+      const Vec3 way = nearest_of_hull(p.normal, walls_), end = tip(p) + radius * p.normal;
+      p.gap /= way.norm();
+      p.normal = way.normalized();
+      p.position = end - (radius + b_.sweep + 0.5 * p.gap) * p.normal;
+    }
+  }
   bool is_over(std::uint32_t face, const Vec3& x) const {
     return std::ranges::any_of(region_.triangles, [&](std::uint32_t t) {
       return mesh_->face[t] == mesh_->face[face] && over_triangle(*mesh_, t, x).beyond <= b_.tolerance;
@@ -339,8 +384,8 @@ class ConvexOnMesh {
     bool through = false;
     for (const std::uint32_t t : triangles_) {
       if (mesh_->face[t] == mesh_->face[face])
-        through = through || over_triangle(*mesh_, t, gate).beyond <= b_.tolerance;
-      else if (stands_between(*mesh_, t, centre, gate, b_.tolerance))
+        through = through || goes_on_to(*mesh_, t, n, gate, springs_, b_.tolerance);
+      else if (!holds_too(face, n, t) && stands_between(*mesh_, t, centre, gate, b_.tolerance))
         return false;
     }
     return through;
@@ -351,14 +396,16 @@ class ConvexOnMesh {
   const TriangleMesh* mesh_ = nullptr;
   ContactSink* sink_ = nullptr;
   PlacedCore b_{};
+  bool springs_ = true;
   // they keep their sizes: no allocation once the largest contact was seen
   std::vector<std::uint32_t> near_, triangles_;
   std::vector<unsigned char> fronts_;   ///< by place: the body is on the front of the surface there
   std::vector<std::size_t> region_of_;  ///< by place: the first region that the triangle is in
-  std::vector<WayOut> solved_;          ///< by region
+  std::vector<WayOut> ways_;            ///< by region
   std::vector<SidePoint> side_, corners_;
-  std::vector<MeshPoint> out_;
-  MeshPoint lost_{};
+  /// beyond_: where the face itself does not hold the body; one remains if no face does
+  std::vector<MeshPoint> out_, beyond_;
+  std::vector<Vec3> walls_;  ///< of one contact: points of planes
   ContactSet on_plane_;
   MeshRegion region_;
 };

@@ -4,16 +4,15 @@
 /// of the surface (mesh_region.h): the plane of a face, with the depth limited by the region; at edges and corners
 /// along the shortest way out of the region. At most four points of one normal are kept, or under smooth laws all
 /// corners of the body. A contact on a face is named after the face, so its memory persists from triangle to triangle.
-/// A ball has one contact with a smooth surface, whose edges bend by less than 18 degrees (of rigid laws a degree): as
-/// deep as the shortest way out of its faces, so the force is continuous over concave edges, and over sharper ones
-/// while it overlaps by less than a twentieth of its radius. Limits: bodies that move by more than their size through
-/// the surface in one step; hulls, and balls in steeper hollows, have one contact per face.
+/// A point of a body (a ball, an end of a capsule, a corner) touches a smooth surface once, whose edges bend by less
+/// than 18 degrees (of rigid laws a degree): as deep as the shortest way out of its faces, so the force is continuous
+/// over concave edges, and over sharper ones while it overlaps by less than a twentieth of its radius. Limit: bodies
+/// that move by more than their size through the surface in one step.
 #pragma once
 #include "detection/narrow/mesh/mesh_contact.h"
 #include "detection/narrow/pairs/closed_forms.h"
 #include "detection/narrow/pairs/convex_pairs.h"
 #include "detection/narrow/pairs/pair_radius.h"
-#include "detection/shapes/capsule.h"
 #include "detection/shapes/sphere.h"
 
 namespace epafi {
@@ -21,10 +20,6 @@ namespace epafi {
 /// All functions: the body is A, the mesh B; triangles: candidates in ascending order, every triangle within reach
 /// among them.
 void collide_triangles(const Sphere& a, const TriangleMesh& b, std::span<const std::uint32_t> triangles,
-                       const PairQuery& q, ContactSink& sink);
-
-/// Its two ends as spheres, and edges and vertices of the mesh against its side.
-void collide_triangles(const Capsule& a, const TriangleMesh& b, std::span<const std::uint32_t> triangles,
                        const PairQuery& q, ContactSink& sink);
 
 /// A convex body behind pointers, against the convex regions of the surface (mesh_region.h).
