@@ -154,6 +154,32 @@ TEST_CASE("a soft impact is predicted, and the stiffness that is named keeps it 
   }
 }
 
+TEST_CASE("a body that moves by more than its radius in a step is told, others are not", "[scenes][warnings]") {
+  Random random(56, 0);
+  for (int draw = 0; draw < 12; ++draw) {
+    const double share = draw % 2 == 0 ? random.uniform(0.3, 0.97) : random.uniform(1.03, 4.0);
+    const double radius = std::pow(10.0, random.uniform(-3, 0)), dt = std::pow(10.0, random.uniform(-5, -3));
+    const double speed = share * radius / dt;
+    const Warned run = run_warned(fmt::format(
+        "run = {{ duration = {:.17g}, time_step = {:.17g}, allow_unstable = true }}\nworld.gravity = [0, 0, 0]\n"
+        "material.m = {{ density = 1000, youngs_modulus = 1e6, poissons_ratio = 0.3 }}\n"
+        "contact = {{ method = \"smooth\", restitution = 1, friction = 0, smooth = {{ law = \"hertz\" }} }}\n"
+        "[[body]]\nname = \"wall\"\nshape = {{ half_space = {{ normal = [0, 0, 1] }} }}\nmaterial = \"m\"\nfixed = "
+        "true\n"
+        "[[body]]\nname = \"slow\"\nshape = {{ sphere = {{ radius = {:.17g} }} }}\nmaterial = \"m\"\n"
+        "position = [0, 0, {:.17g}]\n"
+        "[[body]]\nname = \"fast\"\nshape = {{ sphere = {{ radius = {:.17g} }} }}\nmaterial = \"m\"\n"
+        "position = [{:.17g}, 0, {:.17g}]\nvelocity = [{:.17g}, 0, 0]\n",
+        20.0 * dt, dt, 0.5 * radius, 2.0 * radius, radius, 5.0 * radius, 2.0 * radius, speed));
+    INFO(share << run.err);
+    CHECK(run.code == exit_done);
+    REQUIRE(run.warnings.size() == (share > 1.0 ? 1u : 0u));
+    if (share > 1.0)
+      CHECK_THAT(run.warnings[0], Catch::Contains(fmt::format("moves by {:.3g} of its radius", share)) &&
+                                      Catch::Contains("'fast'") && Catch::Contains("step 1"));
+  }
+}
+
 TEST_CASE("the automatic step of a body on springs keeps its energy without a warning", "[scenes][warnings][spring]") {
   Random random(52, 0);
   for (int draw = 0; draw < 16; ++draw) {
