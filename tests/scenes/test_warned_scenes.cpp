@@ -321,6 +321,30 @@ TEST_CASE("the automatic step of a body on springs keeps its energy without a wa
   }
 }
 
+TEST_CASE("a measure of contacts between held bodies is told to stay 0", "[scenes][warnings]") {
+  Random random(57, 0);
+  const std::vector<std::pair<std::string, bool>> kinds{
+      {"fixed = true", true}, {"motion = { velocity = [1, 0, 0] }", true}, {"velocity = [1, 0, 0]", false}};
+  for (int draw = 0; draw < 12; ++draw) {
+    const auto& [a, a_held] = kinds[static_cast<std::size_t>(random.uniform(0, 3))];
+    const auto& [b, b_held] = kinds[static_cast<std::size_t>(random.uniform(0, 3))];
+    std::string text =
+        "run = { duration = 0.01 }\nmaterial.m = { density = 1000 }\n"
+        "contact = { method = \"nonsmooth\", restitution = 0, friction = 0 }\n";
+    for (const auto& [name, how] : {std::pair(std::string("a"), a), {std::string("b"), b}})
+      text += fmt::format(
+          "[[body]]\nname = \"{}\"\nshape = {{ sphere = {{ radius = 0.1 }} }}\nmaterial = \"m\"\n"
+          "position = [{}, 0, 0]\n{}\n",
+          name, name == "a" ? 0 : 1, how);
+    text += contact_measure("c", "a", "b");
+    const ReadResult read = read_scene_text(text, "scene.toml", {}, full_registry());
+    INFO(text);
+    REQUIRE(read.scene);
+    REQUIRE(read.problems.size() == (a_held && b_held ? 1u : 0u));
+    if (a_held && b_held) CHECK_THAT(read.problems[0].to_string(), Catch::Contains("no contacts with each other"));
+  }
+}
+
 TEST_CASE("a measure between a body and itself is an error, between a group and itself is not", "[scenes][warnings]") {
   const std::string scene =
       "run = { duration = 0.01 }\nmaterial.m = { density = 1000 }\n"
