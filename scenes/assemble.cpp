@@ -314,8 +314,10 @@ std::unique_ptr<Assembly> assemble(Scene scene, const AssembleOptions& options) 
                                    : choose_time_step(*a);
   sim.time_step = a->time_step.value;
   if (a->plan.resting_reach < a->plan.reach) a->narrow_phase->follow_motion(sim.time_step, a->plan.resting_reach);
-  if (a->time_step.adaptive)
-    sim.parts_of_step = [step = *a->time_step.adaptive](const World& w) { return step.parts(w); };
+  if (a->scene.run.adaptive)
+    sim.parts_of_step = [step = a->time_step, shapes = a->shapes](const World& w) {
+      return std::max(step.adaptive ? step.adaptive->parts(w) : 1, parts_by_motion(w, *shapes, step.value));
+    };
   sim.step_watch = make_stability_watch(*a);
   a->steps = count_steps(a->scene.run, sim.time_step);
   warn_of_long_step(*a);

@@ -76,9 +76,9 @@ void RunMonitor::observe(const StepView& view) {
     }
     watch_models(view);
   }
-  note_overlap(view);
   const bool looks = view.step % interval_ == 0 || view.last;
   if (looks) look(view);
+  note_overlap(view);
   check(view, looks);
 }
 
@@ -120,9 +120,12 @@ void RunMonitor::watch_models(const StepView& view) {
 /// body.
 void RunMonitor::note_overlap(const StepView& view) {
   const ContactSet& c = view.contacts;
-  const double deepest = view.report.deepest;
+  // at the start only a look has seen the contacts
+  const Overlap looked = view.step == 0 ? last_overlap_ : Overlap{};
+  const double deepest = std::max(view.report.deepest, looked.max);
   totals_.overlap_max = std::max(totals_.overlap_max, deepest);
-  const double before = totals_.overlap_relative, known = std::max(before, view.report.deepest_relative);
+  const double before = totals_.overlap_relative;
+  const double known = std::max({before, view.report.deepest_relative, looked.max_relative});
   totals_.overlap_relative = known;
   const auto relative = [&](std::size_t k) {
     const std::vector<std::uint32_t>& shape = view.world.shape;

@@ -21,6 +21,7 @@
 #include "scenes/railway/rolling.h"
 #include "scenes/stop.h"
 #include "scenes/version.h"
+#include "scenes/watch_parts.h"
 #include "viz_export/files/run_mark.h"
 #include "viz_export/files/side_file.h"
 #include "viz_export/hdf5/problem_file.h"
@@ -34,16 +35,6 @@ namespace {
 /// Number of steps in `interval` [s], from 1 to 1e15.
 std::uint64_t steps_of(double interval, double dt) {
   return static_cast<std::uint64_t>(std::clamp(std::round(interval / dt), 1.0, 1e15));
-}
-
-/// Smallest radius of all bodies of the scene, including those poured later [m].
-double least_radius(const Assembly& a) {
-  const World& world = a.simulation->world;
-  double least = infinity;
-  for (const std::uint32_t shape : world.shape) least = std::min(least, a.shapes->bounding_radius({shape}));
-  for (const PourBodies* source : a.sources)
-    for (const auto& b : source->setup().bodies) least = std::min(least, a.shapes->bounding_radius({b.body.shape}));
-  return least;
 }
 
 /// The run file of a continued run. A damaged file is set aside: the new one lacks its data, but the state is not lost.
@@ -177,6 +168,8 @@ void Session::add_observers() {
   auto monitor = std::make_unique<RunMonitor>(scene, bound_bodies, *assembly_->shapes, setup, sim.warnings);
   monitor->read_measures([this](const Condition& c) { return last_value(c); });
   monitor_ = monitor.get();
+  if (scene.contact.method.value == Method::smooth)
+    sim.events.push_back(std::make_unique<WatchParts>(*assembly_, setup.least_radius, setup.interval));
   sim.observers.push_back(std::move(monitor));
   if (files_->course) {
     const bool smooth = scene.contact.method.value == Method::smooth;

@@ -14,6 +14,7 @@
 #include "laws/smooth/contact_links.h"
 #include "laws/smooth/critical_step.h"
 #include "scenes/contact_setup.h"
+#include "scenes/expected_fall.h"
 #include "scenes/railway/rolling.h"
 #include "scenes/step_estimate.h"
 #include "scenes/time_step_nonsmooth.h"
@@ -68,8 +69,8 @@ struct Survey {
   std::map<std::uint16_t, bool> held;      ///< materials of fixed and driven bodies
   std::size_t free_bodies = 0, held_bodies = 0;
   double fall = 0.0;             ///< through the bodies' height [m/s]
-  double hit = 0.0;              ///< of the fastest body or of that fall: of an impact on a body at rest [m/s]
-  double speed = 0.0;            ///< largest of the start and of the fall through the bodies' height [m/s]
+  double hit = 0.0;              ///< of the fastest body or the longest fall: of an impact on a body at rest [m/s]
+  double speed = 0.0;            ///< largest of twice that of the start and of the longest fall [m/s]
   double diameter = infinity;    ///< of the smallest free body [m]
   double fastest = 0.0;          ///< at the start [m/s]
   double load = 0.0;             ///< weights, external forces and servo walls, all together [N]
@@ -78,6 +79,14 @@ struct Survey {
   std::map<std::uint16_t, double> plates;  ///< by material: mass of the lightest servo wall without gains [kg]
   double pressure = 0.0;                   ///< of a cell [Pa]
   Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);  ///< of the free bodies [m]
+  Vec3 highest = Vec3::Zero();                                            ///< lowest point of the highest of them [m]
+  double top = infinity;                                                  ///< depth of that point along `down` [m]
+
+  void see(const Vec3& lowest, const Vec3& down) {
+    if (!(lowest.dot(down) < top)) return;
+    top = lowest.dot(down);
+    highest = lowest;
+  }
 };
 
 /// Adds a free body.
@@ -112,11 +121,6 @@ void look_at(Survey& out, const Assembly& a, const Body& body, const Vec3& at) {
   smallest.flat.emplace(shape, flat);
 }
 
-bool is_railway(std::uint32_t shape) {
-  const auto type = ShapeRef{shape}.type();
-  return type == ShapeStore::type_of<WheelProfile>() || type == ShapeStore::type_of<RailProfile>();
-}
-
 /// What sources will bring: low, high: heights that bodies reach against `down` [m]; fastest [m/s].
 void survey_sources(const Assembly& a, const Vec3& down, Survey& out, double& low, double& high, double& fastest) {
   const World& w = a.simulation->world;
@@ -126,6 +130,7 @@ void survey_sources(const Assembly& a, const Vec3& down, Survey& out, double& lo
       fastest = std::max(fastest, b.body.velocity.norm());
     }
     for (const Vec3& corner : {source->setup().low, source->setup().high}) {
+      out.see(corner, down);
       out.low = out.low.cwiseMin(corner);
       out.high = out.high.cwiseMax(corner);
       low = std::min(low, corner.dot(down));
@@ -136,6 +141,29 @@ void survey_sources(const Assembly& a, const Vec3& down, Survey& out, double& lo
   }
 }
 
+/// Speed of the longest fall onto other bodies or walls, by weight or by a force of the body's own [m/s].
+double fastest_fall(const Assembly& a, const Survey& s) {
+  const World& w = a.simulation->world;
+  const ExpectedFall walls(a);
+  double fastest = s.fall;
+  const auto fall = [&](const Vec3& lowest, const Vec3& acceleration, bool onto_bodies) {
+    const double rate = acceleration.norm();
+    if (!(rate > 0.0)) return;
+    const Vec3 along = acceleration / rate;
+    const double to_bodies = onto_bodies ? (furthest(s.low, s.high, along) - lowest).dot(along) : 0.0;
+    fastest = std::max(fastest, fall_speed(rate, std::max(to_bodies, walls.height(lowest, along))));
+  };
+  if (s.free_bodies > 0) fall(s.highest, w.gravity, false);  // s.fall is that onto bodies
+  if (!w.columns().external_force) return fastest;
+  for (Slot i = 0; i < w.size(); ++i) {
+    if (!w.is_movable(i) || w.external_force[i].isZero(0.0) || touches_rails_only(a, w.shape[i])) continue;
+    const Vec3 acceleration = w.free_acceleration(i);
+    const double radius = a.shapes->bounding_radius({w.shape[i]});
+    fall(w.position[i] + radius * acceleration.stableNormalized(), acceleration, true);
+  }
+  return fastest;
+}
+
 Survey survey(const Assembly& a) {
   const World& w = a.simulation->world;
   Survey out;
@@ -143,7 +171,7 @@ Survey survey(const Assembly& a) {
   const Vec3 down = g > 0 ? Vec3(w.gravity / g) : -Vec3::UnitZ();
   double low = infinity, high = -infinity, fastest = 0;
   for (Slot s = 0; s < w.size(); ++s) {
-    if (a.plan.rolling && is_railway(w.shape[s])) continue;  // they touch each other only: railway_step
+    if (touches_rails_only(a, w.shape[s])) continue;  // railway_step
     if (const Vec3& v = w.velocity[s]; !std::isfinite(v.squaredNorm()))
       throw SceneError(
           fmt::format("{}: a speed of {:g} m/s has no finite energy", body_name(a, w.id[s]), v.stableNorm()));
@@ -160,8 +188,9 @@ Survey survey(const Assembly& a) {
     if (w.rotates()) body.inertia = w.inverse_inertia_of(s).cwiseInverse();
     if (w.columns().external_force) body.external_force = w.external_force[s];
     look_at(out, a, body, w.position[s]);
-    const double depth = w.position[s].dot(down);
-    low = std::min(low, depth - a.shapes->bounding_radius({w.shape[s]}));
+    const double depth = w.position[s].dot(down), radius = a.shapes->bounding_radius({w.shape[s]});
+    out.see(w.position[s] + radius * down, down);
+    low = std::min(low, depth - radius);
     high = std::max(high, depth);
   }
   survey_sources(a, down, out, low, high, fastest);
@@ -179,8 +208,9 @@ Survey survey(const Assembly& a) {
   if (a.scene.cell) out.pressure = a.scene.cell->control.pressure.value_or(0.0);
   out.fastest = fastest;
   out.fall = out.free_bodies > 0 ? fall_speed(g, high - low) : 0.0;
-  out.hit = std::max(fastest, out.fall);
-  out.speed = std::max(2 * fastest, out.fall);
+  const double longest = fastest_fall(a, out);
+  out.hit = std::max(fastest, longest);
+  out.speed = std::max(2 * fastest, longest);
   return out;
 }
 
@@ -189,8 +219,13 @@ Survey survey(const Assembly& a) {
 /// or of a tenth of the fall through the whole height: the weight of what lies above presses contacts as such an impact
 /// does (n g delta against g h: overlaps below 1e-2 of the size).
 TimeStep smooth_step(const Assembly& a, const Survey& s);
+double quiet_speed(const Material& material);
 
-TimeStep adaptive_step(const Assembly& a, const Survey& fast) {
+TimeStep adaptive_step(const Assembly& a, Survey fast) {
+  if (!(fast.speed > 0.0))
+    for (const auto& [i, unused] : fast.free)
+      fast.speed = std::max(fast.speed, quiet_speed(a.scene.materials[i].material));
+  if (!(fast.speed > 0.0)) return smooth_step(a, fast);
   Survey slow = fast;
   slow.speed = std::max(1e-3 * fast.speed, 0.1 * fast.fall);
   TimeStep step = smooth_step(a, slow);
@@ -312,6 +347,9 @@ class ContactEstimate {
   double area_ = infinity;  ///< that the loads act on [m^2]
 };
 
+/// At rest and without forces: a thousandth of the sound speed, far above what a quiet scene sees [m/s].
+double quiet_speed(const Material& m) { return 1e-3 * std::sqrt(m.youngs_modulus / m.density); }
+
 constexpr double soft_overlap = 0.3;  // of the radius: softened grains that fall through all of a scene have 0.24
 
 std::string soft_impacts(double overlap, double speed) {
@@ -334,8 +372,7 @@ TimeStep smooth_step(const Assembly& a, const Survey& s) {
     // a corner of a cube moves as a quarter of its mass does
     const bool round = p.round && (!q || q->round);
     if (!round) c.effective_mass *= 0.25;
-    // at rest and without gravity: a thousandth of the sound speed, far above what a quiet scene sees
-    c.speed = s.speed > 0 ? s.speed : 1e-3 * std::sqrt(pair.a.youngs_modulus / pair.a.density);
+    c.speed = s.speed > 0 ? s.speed : quiet_speed(pair.a);
     StepLimit limit = critical_step(setup, pair, c);
     const double deepest = limit.impact.largest_overlap;
     const double radius = q ? std::min(p.radius, q->radius) : p.radius;
@@ -402,8 +439,7 @@ TimeStep choose_time_step(const Assembly& a) {
   }
   if (a.scene.run.adaptive && !smooth)
     throw SceneError("[run] time_step = \"adaptive\" is for contact.method = \"smooth\"", written.place);
-  if (a.scene.run.adaptive && s.free_bodies > 0 && s.free_bodies + s.held_bodies > 1 && s.speed > 0)
-    return adaptive_step(a, s);
+  if (a.scene.run.adaptive && s.free_bodies > 0 && s.free_bodies + s.held_bodies > 1) return adaptive_step(a, s);
   if (!written.value) return step;
   if (*written.value > step.limit && !a.scene.run.allow_unstable)
     throw SceneError(
@@ -414,6 +450,17 @@ TimeStep choose_time_step(const Assembly& a) {
         place_of_step(a));
   return {*written.value, step.limit,
           "as written; " + fmt::format("auto would be {:.4g} s, {}", step.value, step.reason), step.limit_reason};
+}
+
+int parts_by_motion(const World& w, const ShapeStore& shapes, double dt) {
+  constexpr double moved = 0.1, most = 1e4;
+  const double parts = block_max<double>(w.size(), 0.0, [&](std::size_t i) {
+    const auto s = static_cast<Slot>(i);
+    if (!w.is_movable(s)) return 0.0;
+    const double speed = w.velocity[i].norm() + w.acceleration(s).norm() * dt;
+    return speed * dt / (moved * shapes.bounding_radius({w.shape[i]}));
+  });
+  return std::max(1, static_cast<int>(std::ceil(std::min(most, parts))));
 }
 
 std::string chosen_text(const Assembly& a) {

@@ -8,6 +8,10 @@ namespace epafi {
 /// a written step exceeds the limit.
 TimeStep choose_time_step(const Assembly& assembly);
 
+/// Equal parts of an adaptive step of dt [s] in which no body moves by more than a tenth of its radius: contacts that
+/// overlap by less than 0.3 of it are resolved without.
+int parts_by_motion(const World& world, const ShapeStore& shapes, double dt);
+
 /// For `epafi explain`: the time step and why, and of non-smooth contact the solver and the law of impact.
 std::string chosen_text(const Assembly& assembly);
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "laws/smooth/critical_step.h"
+#include "scenes/expected_fall.h"
 
 namespace epafi {
 
@@ -93,25 +94,9 @@ FreeBodies look_at_free(const Assembly& a) {
   return out;
 }
 
-/// How far the highest body may fall: to the lowest body, onto a plane below it or to the bottom of what is held [m].
+/// How far the highest body may fall: to the lowest body or onto what is held [m].
 double fall_height(const Assembly& a, const FreeBodies& free) {
-  const World& w = a.simulation->world;
-  const Vec3 down = downwards(a);
-  double height = std::max(0.0, free.deepest - free.top);
-  for (Slot s = 0; s < w.size(); ++s) {
-    if (w.is_movable(s)) continue;
-    const ShapeRef shape{w.shape[s]};
-    if (shape.type() == ShapeStore::type_of<HalfSpace>()) {
-      const Vec3 normal = w.pose(s).orientation * a.shapes->of<HalfSpace>()[shape.index()].normal;
-      const double steep = -normal.dot(down);
-      if (steep > 0.1) height = std::max(height, normal.dot(free.highest - w.position[s]) / steep);
-    } else if (const double radius = a.shapes->bounding_radius(shape); std::isfinite(radius)) {
-      const Aabb box = a.shapes->bounding_box(shape, w.pose(s));
-      const Vec3 low = (down.array() > 0.0).select(box.max, box.min);
-      height = std::max(height, low.dot(down) - free.top);
-    }
-  }
-  return height;
+  return std::max({0.0, free.deepest - free.top, ExpectedFall(a).height(free.highest, downwards(a))});
 }
 
 /// One of the motions of a driven body.

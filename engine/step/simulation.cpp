@@ -86,15 +86,18 @@ std::optional<Failure> Simulation::advance(bool last, bool run_on) {
   if (parts_of_step) gather_state();
   int parts = parts_of_step ? parts_of_step(world) : 1;
   if (step_watch) parts = std::max(parts, step_watch->parts());
-  double deepest = 0.0;
+  double deepest = 0.0, relative = 0.0;
   const bool sort = sorts_now();
   ++steps_;
+  work.report.deepest_relative = 0.0;
   for (int part = 0; part < parts; ++part) {
     auto failure = make_step(time_step / parts, sort && part == 0, run_on && !last && is_unobserved(), timer);
     if (failure) return failure;
     deepest = std::max(deepest, work.report.deepest);
+    relative = std::max(relative, work.report.deepest_relative);
   }
   work.report.deepest = deepest;
+  work.report.deepest_relative = relative;
   parts_made_ += static_cast<std::uint64_t>(parts);
   timer.lap(Stage::events);
   const bool watched = step_is_watched();
@@ -168,6 +171,7 @@ double Simulation::held_power() const {
 std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on, StageTimer& timer) {
   if (remote) return make_remote_step(dt, sort, run_on, timer);
   prepare(dt, sort);
+  const double relative = work.report.deepest_relative;  // of earlier parts
   const RunOn leave{[this](const Extent& seen) { return seen.is_inside(watched()); }, domain.has_value()};
   const bool rest = run_on && std::ranges::all_of(events, [&](const auto& e) { return e->rests_next(world, dt); });
   if (loads) loads->before_step(world, dt);
@@ -175,6 +179,7 @@ std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on, 
   step(world, pipeline, work, dt, timer, rest ? &leave : nullptr);
   work.report.deepest = block_max<double>(work.contacts.size(), work.report.deepest,
                                           [&](std::size_t k) { return -work.contacts.gap[k]; });
+  work.report.deepest_relative = std::max(work.report.deepest_relative, relative);
   ledger.add(work.report, dt * world.gravity.norm());
   if (loads) ledger.add_work(loads->after_step(world, dt));
   return watch();

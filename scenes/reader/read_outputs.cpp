@@ -82,7 +82,17 @@ NamedBodies read_reference(Draft& draft, const TableValues& values, const std::s
   return found;
 }
 
-/// Checks a measure between two: a body has no contact with itself.
+/// True where all are fixed or driven.
+bool are_held(const Scene& scene, const NamedBodies& named) {
+  return named.fills.empty() && std::ranges::all_of(named.bodies, [&](const NamedBodies::Range& range) {
+           const auto begin = scene.bodies.begin() + static_cast<std::ptrdiff_t>(range.first);
+           return std::all_of(begin, begin + static_cast<std::ptrdiff_t>(range.count), [&](const BodySpec& b) {
+             return (b.fixed || b.motion || b.servo) && scene.shapes[b.shape].type != "wheel_profile";
+           });
+         });
+}
+
+/// Checks a measure between two: a body has no contact with itself, held bodies have none with each other.
 void check_two(Draft& draft, const TableValues& values, const MeasureSpec& measure, const std::string& label) {
   const auto one = [](const NamedBodies& n) {
     return n.fills.empty() && n.bodies.size() == 1 && n.bodies[0].count == 1;
@@ -91,6 +101,9 @@ void check_two(Draft& draft, const TableValues& values, const MeasureSpec& measu
   if (one(a) && one(b) && a.bodies[0].first == b.bodies[0].first)
     draft.reading.error(values.place_of("between"), label + " between: '" + values.texts("between")[0] +
                                                         "' is one body and is named twice; name two bodies or groups");
+  else if (are_held(draft.scene, a) && are_held(draft.scene, b))
+    draft.reading.warning(values.place_of("between"),
+                          label + " between: fixed and driven bodies have no contacts with each other: it stays 0");
 }
 
 void read_measure(Draft& draft, const Node& item) {

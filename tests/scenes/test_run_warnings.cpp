@@ -91,6 +91,44 @@ TEST_CASE("the largest overlap is that of all steps, and a bound on it holds in 
   CHECK(run_of(thrown_ball(folder, 5e-5, fast + "[bounds]\noverlap_relative = 0.09\n"), again).code == exit_bound);
 }
 
+TEST_CASE("the largest overlap counts the parts of divided steps, and the start", "[scenes][warnings][adaptive]") {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (int k = 0; k < 6; ++k) {
+    const TemporaryFolder folder;
+    const bool starts_deep = k % 2 == 0;
+    const double radius = std::pow(10.0, -3.0 + 2.0 * unit(random)), share = 0.35 + 0.6 * unit(random);
+    const double speed = std::pow(10.0, 2.0 * unit(random)), depth = share * radius;
+    // m v^2/2 = 8/15 E*/2 sqrt(R) d^(5/2), two like bodies of Poisson's ratio 0; far above the floor a fast ball makes
+    // steps long against the impact
+    const double energy = 2.0 / 3.0 * std::acos(-1.0) * 1000.0 * std::pow(radius, 3) * speed * speed;
+    const double modulus = energy / (4.0 / 15.0 * std::sqrt(radius) * std::pow(depth, 2.5));
+    const auto scene = [&](double bound) {
+      std::ofstream out(folder / "scene.toml");
+      out.precision(17);
+      out << "run = { duration = " << 6.0 * radius / speed << ", time_step = \"" << (starts_deep ? "auto" : "adaptive")
+          << "\" }\nworld.gravity = [0, 0, 0]\nmaterial.m = { density = 1000, youngs_modulus = " << modulus
+          << ", poissons_ratio = 0 }\n"
+          << "contact = { method = \"smooth\", restitution = 1, friction = 0, smooth = { law = \"hertz\" } }\n"
+          << experiments::half_space_floor("m") << "[[body]]\nname = \"ball\"\nshape = { sphere = { radius = " << radius
+          << " } }\nmaterial = \"m\"\n"
+          << "position = [0, 0, " << (starts_deep ? 1.0 - share : 2.0) * radius << "]\nvelocity = [0, 0, "
+          << (starts_deep ? speed : -speed) << "]\n[bounds]\noverlap_relative = " << bound << "\n";
+    };
+    INFO("share " << share << ", radius " << radius << ", speed " << speed << ", modulus " << modulus);
+    RunOptions again = into(folder);
+    again.force = true;
+    scene(1.1 * share);
+    CHECK(run_of(folder / "scene.toml", again).code == exit_done);
+    const FlatJson summary = read_json(folder / "out" / "summary.json");
+    const double relative = summary.number("overlap.max_relative").value();
+    CHECK(relative == Approx(share).epsilon(starts_deep ? 1e-9 : 0.05));  // ten steps and more an impact
+    CHECK(relative == Approx(summary.number("overlap.max").value() / radius).epsilon(1e-12));
+    scene(0.9 * share);
+    CHECK(run_of(folder / "scene.toml", again).code == exit_bound);
+  }
+}
+
 TEST_CASE("bodies that overlap by more than half a radius are reported", "[scenes][warnings]") {
   std::mt19937 random(6);
   std::uniform_real_distribution<double> unit(0.0, 1.0);

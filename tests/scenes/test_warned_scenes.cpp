@@ -154,6 +154,143 @@ TEST_CASE("a soft impact is predicted, and the stiffness that is named keeps it 
   }
 }
 
+namespace {
+
+struct Drop {
+  Vec3 down;
+  double rate = 0.0;    ///< acceleration [m/s^2]
+  double height = 0.0;  ///< below the ball [m]
+  bool by_force = false;
+  std::string wall;  ///< shape and position of what is below
+};
+
+constexpr double drop_radius = 0.01, drop_density = 1000.0;
+
+std::string vector_text(const Vec3& v) { return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x(), v.y(), v.z()); }
+
+/// Along an axis onto a plate or the end of a tube; along any direction onto a half-space. From the origin.
+Drop random_drop(Random& random) {
+  Drop d;
+  const int kind = static_cast<int>(random.uniform(0, 3));
+  d.by_force = random.uniform(0, 1) < 0.5;
+  d.rate = std::pow(10.0, random.uniform(0, 3));
+  d.height = drop_radius * std::pow(10.0, random.uniform(1.7, 2.7));
+  const Vec3 floor_depth = Vec3::Constant(d.height + drop_radius);
+  d.down = -Vec3::UnitZ();
+  if (kind == 0) {
+    d.down = Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)).normalized();
+    d.wall = fmt::format("half_space = {{ normal = {} }} }}\nposition = {}", vector_text(-d.down),
+                         vector_text(d.down.cwiseProduct(floor_depth)));
+  } else if (kind == 1) {
+    const double thickness = random.uniform(0.1, 1.0) * d.height;
+    d.wall = fmt::format("box = {{ size = [1, 1, {:.17g}] }} }}\nposition = [0, 0, {:.17g}]", thickness,
+                         -floor_depth.z() - 0.5 * thickness);
+  } else {
+    d.wall = fmt::format("tube = {{ radius = 0.1, length = {:.17g}, ends = \"closed\" }} }}\nposition = [0, 0, 0]",
+                         2.0 * floor_depth.z());
+  }
+  return d;
+}
+
+std::string drop_scene(const Drop& d, double modulus, const std::string& step = "auto") {
+  const double mass = drop_density * 4.0 / 3.0 * std::numbers::pi * std::pow(drop_radius, 3);
+  const Vec3 gravity = d.by_force ? Vec3(Vec3::Zero()) : Vec3(d.rate * d.down);
+  const Vec3 force = d.by_force ? Vec3(mass * d.rate * d.down) : Vec3(Vec3::Zero());
+  return fmt::format(
+      "run = {{ duration = {:.17g}, time_step = \"{}\" }}\nworld.gravity = {}\n"
+      "material.m = {{ density = {}, youngs_modulus = {:.17g}, poissons_ratio = 0.3 }}\n"
+      "contact = {{ method = \"smooth\", restitution = 1, friction = 0, smooth = {{ law = \"hertz\" }} }}\n"
+      "[[body]]\nname = \"wall\"\nshape = {{ {}\nmaterial = \"m\"\nfixed = true\n"
+      "[[body]]\nname = \"ball\"\nshape = {{ sphere = {{ radius = {} }} }}\nmaterial = \"m\"\n{}",
+      1.3 * std::sqrt(2.0 * d.height / d.rate), step, vector_text(gravity), drop_density, modulus, d.wall, drop_radius,
+      d.by_force ? "force = " + vector_text(force) + "\n" : "");
+}
+
+TimeStep expected_step(const std::string& text) {
+  return prepare(read_scene_text(text, "scene.toml", {}, full_registry())).assembly->time_step;
+}
+
+}  // namespace
+
+TEST_CASE("a fall onto a wall is expected, by weight and by a body's own force", "[scenes][warnings][overlap]") {
+  Random random(54, 0);
+  for (int draw = 0; draw < 16; ++draw) {
+    const Drop drop = random_drop(random);
+    const double share = random.uniform(0.6, 0.95), speed = std::sqrt(2.0 * drop.rate * drop.height);
+    // m v^2/2 = 8/15 E*/2 sqrt(R) d^(5/2), two like bodies
+    const double energy = drop_density * 2.0 / 3.0 * std::numbers::pi * std::pow(drop_radius, 3) * speed * speed;
+    const double modulus =
+        energy / (4.0 / 15.0 * std::sqrt(drop_radius) * std::pow(share * drop_radius, 2.5)) * (1.0 - 0.3 * 0.3);
+    const std::string text = drop_scene(drop, modulus);
+    INFO(text);
+    const TimeStep step = expected_step(text);
+    INFO(step.reason);
+    const auto at = step.reason.find("impacts at ");
+    REQUIRE(at != std::string::npos);
+    std::size_t read = 0;
+    const double expected = std::stod(step.reason.substr(at + 11), &read);
+    CHECK(expected == Approx(speed).epsilon(6e-3));  // three digits
+    const auto deep = step.reason.find("overlap by ");
+    const double predicted = std::stod(step.reason.substr(deep + 11));
+    CHECK(predicted == Approx(share).epsilon(0.09));  // two digits
+    const Warned run = run_warned(text);
+    REQUIRE_FALSE(run.warnings.empty());
+    CHECK_THAT(run.warnings[0], Catch::Contains("bodies overlap by"));
+    // a hundred times stiffer bodies overlap by a sixth of that: nothing is said
+    CHECK(expected_step(drop_scene(drop, 100.0 * modulus)).reason.find("impacts at") == std::string::npos);
+  }
+}
+
+TEST_CASE("an adaptive step is divided as bodies become fast, whatever drives them", "[scenes][time_step][adaptive]") {
+  Random random(55, 0);
+  for (int draw = 0; draw < 8; ++draw) {
+    Drop drop = random_drop(random);
+    drop.by_force = true;
+    if (draw % 2 == 0) drop.down = -drop.down;  // away from a plane or plate: nothing is expected
+    const std::string text = drop_scene(drop, std::pow(10.0, random.uniform(4, 6)), "adaptive");
+    SceneRun run = start_text(text);
+    Simulation& sim = run.simulation();
+    bool divided = false;
+    for (int k = 0; k < 3000 && sim.world.velocity[1].norm() * sim.time_step < 5.0 * drop_radius; ++k) {
+      const double speed = sim.world.velocity[1].norm();
+      const auto before = sim.parts_made();
+      REQUIRE_FALSE(sim.advance());
+      const double parts = static_cast<double>(sim.parts_made() - before);
+      divided = divided || parts > 1.0;
+      CHECK(speed * sim.time_step / parts <= 0.1 * drop_radius * (1.0 + 1e-9));
+      if (sim.work.report.touching == 0)  // a contact may change the speed within the step
+        CHECK(sim.world.velocity[1].norm() * sim.time_step / parts <= 0.1 * drop_radius * (1.0 + 1e-9));
+    }
+    CHECK(divided);
+  }
+}
+
+TEST_CASE("a body that moves by more than its radius in a step is told, others are not", "[scenes][warnings]") {
+  Random random(56, 0);
+  for (int draw = 0; draw < 12; ++draw) {
+    const double share = draw % 2 == 0 ? random.uniform(0.3, 0.97) : random.uniform(1.03, 4.0);
+    const double radius = std::pow(10.0, random.uniform(-3, 0)), dt = std::pow(10.0, random.uniform(-5, -3));
+    const double speed = share * radius / dt;
+    const Warned run = run_warned(fmt::format(
+        "run = {{ duration = {:.17g}, time_step = {:.17g}, allow_unstable = true }}\nworld.gravity = [0, 0, 0]\n"
+        "material.m = {{ density = 1000, youngs_modulus = 1e6, poissons_ratio = 0.3 }}\n"
+        "contact = {{ method = \"smooth\", restitution = 1, friction = 0, smooth = {{ law = \"hertz\" }} }}\n"
+        "[[body]]\nname = \"wall\"\nshape = {{ half_space = {{ normal = [0, 0, 1] }} }}\nmaterial = \"m\"\nfixed = "
+        "true\n"
+        "[[body]]\nname = \"slow\"\nshape = {{ sphere = {{ radius = {:.17g} }} }}\nmaterial = \"m\"\n"
+        "position = [0, 0, {:.17g}]\n"
+        "[[body]]\nname = \"fast\"\nshape = {{ sphere = {{ radius = {:.17g} }} }}\nmaterial = \"m\"\n"
+        "position = [{:.17g}, 0, {:.17g}]\nvelocity = [{:.17g}, 0, 0]\n",
+        20.0 * dt, dt, 0.5 * radius, 2.0 * radius, radius, 5.0 * radius, 2.0 * radius, speed));
+    INFO(share << run.err);
+    CHECK(run.code == exit_done);
+    REQUIRE(run.warnings.size() == (share > 1.0 ? 1u : 0u));
+    if (share > 1.0)
+      CHECK_THAT(run.warnings[0], Catch::Contains(fmt::format("moves by {:.3g} of its radius", share)) &&
+                                      Catch::Contains("'fast'") && Catch::Contains("step 1"));
+  }
+}
+
 TEST_CASE("the automatic step of a body on springs keeps its energy without a warning", "[scenes][warnings][spring]") {
   Random random(52, 0);
   for (int draw = 0; draw < 16; ++draw) {
@@ -181,6 +318,30 @@ TEST_CASE("the automatic step of a body on springs keeps its energy without a wa
     CHECK(run.warnings.empty());
     // (omega dt)^2 / 4 at 40 steps a period
     CHECK(std::abs(run.energy_error) < 6.5e-3);
+  }
+}
+
+TEST_CASE("a measure of contacts between held bodies is told to stay 0", "[scenes][warnings]") {
+  Random random(57, 0);
+  const std::vector<std::pair<std::string, bool>> kinds{
+      {"fixed = true", true}, {"motion = { velocity = [1, 0, 0] }", true}, {"velocity = [1, 0, 0]", false}};
+  for (int draw = 0; draw < 12; ++draw) {
+    const auto& [a, a_held] = kinds[static_cast<std::size_t>(random.uniform(0, 3))];
+    const auto& [b, b_held] = kinds[static_cast<std::size_t>(random.uniform(0, 3))];
+    std::string text =
+        "run = { duration = 0.01 }\nmaterial.m = { density = 1000 }\n"
+        "contact = { method = \"nonsmooth\", restitution = 0, friction = 0 }\n";
+    for (const auto& [name, how] : {std::pair(std::string("a"), a), {std::string("b"), b}})
+      text += fmt::format(
+          "[[body]]\nname = \"{}\"\nshape = {{ sphere = {{ radius = 0.1 }} }}\nmaterial = \"m\"\n"
+          "position = [{}, 0, 0]\n{}\n",
+          name, name == "a" ? 0 : 1, how);
+    text += contact_measure("c", "a", "b");
+    const ReadResult read = read_scene_text(text, "scene.toml", {}, full_registry());
+    INFO(text);
+    REQUIRE(read.scene);
+    REQUIRE(read.problems.size() == (a_held && b_held ? 1u : 0u));
+    if (a_held && b_held) CHECK_THAT(read.problems[0].to_string(), Catch::Contains("no contacts with each other"));
   }
 }
 
