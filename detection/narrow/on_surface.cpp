@@ -283,11 +283,17 @@ PlaneSide plane_side(const ShapeStore& shapes, const WallPiece& piece, const Vec
       least = off;
       found = {side, offset};
     };
-    if constexpr (PolyhedralShape<S>) {
-      const PolyhedronView view = s.view();
-      for (std::size_t k = 0; k < view.face_normals.size() && !(s.rounding() > 0.0); ++k)
-        see(view.face_normals[k], view.face_offsets[k]);
-    }
+    const auto see_faces = [&](const auto& polyhedron, const Vec3& centre) {
+      const PolyhedronView view = polyhedron.view();
+      for (std::size_t k = 0; k < view.face_normals.size() && !(polyhedron.rounding() > 0.0); ++k)
+        see(view.face_normals[k], view.face_offsets[k] + view.face_normals[k].dot(centre));
+    };
+    if constexpr (PolyhedralShape<S>) see_faces(s, Vec3::Zero());
+    if constexpr (FlatParts<S> && PolyhedralShape<PartOf<S>>)
+      for (std::size_t k = 0; k < s.part_count(); ++k) {
+        const Vec3 centre = s.part_pose(k, Pose{}).position;
+        if ((centre - at).norm() <= s.part(k).bounding_radius() + reach) see_faces(s.part(k), centre);
+      }
     if constexpr (std::is_same_v<S, TriangleMesh>)
       Piece<S>::each_near(s, at, reach, [&](std::uint32_t t, double) {
         const Vec3 side = s.normals[t].dot(n) < 0.0 ? Vec3(-s.normals[t]) : s.normals[t];

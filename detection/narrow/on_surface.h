@@ -48,8 +48,8 @@ struct PlaneSide {
   double offset = infinity;  ///< [m]; infinite: there is none
 };
 
-/// Of polyhedra and meshes: the side nearest to the plane through `point` across `normal` (unit), as far as `reach` [m]
-/// from there. Normals agree within facing_sine. Both sides of a mesh count, in its triangles within reach.
+/// Of polyhedra, solids and meshes: the side nearest to the plane through `point` across `normal` (unit), as far as
+/// `reach` [m] from there. Normals agree within facing_sine. Both sides of a mesh count, in its triangles within reach.
 PlaneSide plane_side(const ShapeStore& shapes, const WallPiece& piece, const Vec3& normal, const Vec3& point,
                      double reach);
 
