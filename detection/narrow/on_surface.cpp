@@ -145,8 +145,6 @@ struct Piece<TriangleMesh> {
     });
     return inside ? nearest.best() : normal;
   }
-
- private:
   template <class F>
   static void each_near(const TriangleMesh& s, const Vec3& point, double near, const F& f) {
     static thread_local std::vector<std::uint32_t> triangles;
@@ -273,21 +271,34 @@ Vec3 side_normal(const ShapeStore& shapes, const WallPiece& piece, const Vec3& p
   return piece.pose.orientation * found;
 }
 
-PlaneSide plane_side(const ShapeStore& shapes, const WallPiece& piece, const Vec3& normal) {
-  const Vec3 local = piece.pose.orientation.conjugate() * normal;
-  PlaneSide found = shapes.with(piece.shape, [&]<class S>(const S& s) {
-    PlaneSide side{normal};
-    if constexpr (PolyhedralShape<S>) {
-      const PolyhedronView view = s.view();
-      double most = std::sqrt(1.0 - facing_sine * facing_sine);
-      for (std::size_t k = 0; k < view.face_normals.size() && !(s.rounding() > 0.0); ++k) {
-        const double cosine = view.face_normals[k].dot(local);
-        if (!(cosine > most)) continue;
-        most = cosine;
-        side = {view.face_normals[k], view.face_offsets[k]};
+PlaneSide plane_side(const ShapeStore& shapes, const WallPiece& piece, const Vec3& normal, const Vec3& point,
+                     double reach) {
+  const Vec3 at = piece.pose.to_local(point), n = piece.pose.orientation.conjugate() * normal;
+  PlaneSide found{normal};
+  shapes.with(piece.shape, [&]<class S>(const S& s) {
+    double least = infinity;
+    const auto see = [&](const Vec3& side, double offset) {
+      const double off = std::abs(side.dot(at) - offset) + reach * (side - n).norm();
+      if (!(off < least) || !(side.dot(n) > std::sqrt(1.0 - facing_sine * facing_sine))) return;
+      least = off;
+      found = {side, offset};
+    };
+    const auto see_faces = [&](const auto& polyhedron, const Vec3& centre) {
+      const PolyhedronView view = polyhedron.view();
+      for (std::size_t k = 0; k < view.face_normals.size() && !(polyhedron.rounding() > 0.0); ++k)
+        see(view.face_normals[k], view.face_offsets[k] + view.face_normals[k].dot(centre));
+    };
+    if constexpr (PolyhedralShape<S>) see_faces(s, Vec3::Zero());
+    if constexpr (FlatParts<S> && PolyhedralShape<PartOf<S>>)
+      for (std::size_t k = 0; k < s.part_count(); ++k) {
+        const Vec3 centre = s.part_pose(k, Pose{}).position;
+        if ((centre - at).norm() <= s.part(k).bounding_radius() + reach) see_faces(s.part(k), centre);
       }
-    }
-    return side;
+    if constexpr (std::is_same_v<S, TriangleMesh>)
+      Piece<S>::each_near(s, at, reach, [&](std::uint32_t t, double) {
+        const Vec3 side = s.normals[t].dot(n) < 0.0 ? Vec3(-s.normals[t]) : s.normals[t];
+        see(side, side.dot(s.vertices[s.triangles[t][0]]));
+      });
   });
   if (std::isfinite(found.offset)) found.normal = piece.pose.orientation * found.normal;
   return found;

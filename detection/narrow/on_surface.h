@@ -42,13 +42,15 @@ bool goes_beyond(const ShapeStore& shapes, const WallPiece& piece, const Vec3& p
 /// lies flat may come from its own face, which tilts with the body.
 Vec3 side_normal(const ShapeStore& shapes, const WallPiece& piece, const Vec3& point, const Vec3& normal, double near);
 
-/// A plane side of a polyhedron: where normal . x = offset from its centre, world axes.
+/// A plane side of a wall: where normal . x = offset from its centre, world axes.
 struct PlaneSide {
   Vec3 normal;
   double offset = infinity;  ///< [m]; infinite: there is none
 };
 
-/// For polyhedra: the side whose normal is nearest to `normal` (unit), within facing_sine.
-PlaneSide plane_side(const ShapeStore& shapes, const WallPiece& piece, const Vec3& normal);
+/// Of polyhedra, solids and meshes: the side nearest to the plane through `point` across `normal` (unit), as far as
+/// `reach` [m] from there. Normals agree within facing_sine. Both sides of a mesh count, in its triangles within reach.
+PlaneSide plane_side(const ShapeStore& shapes, const WallPiece& piece, const Vec3& normal, const Vec3& point,
+                     double reach);
 
 }  // namespace epafi

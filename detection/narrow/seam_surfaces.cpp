@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "detection/narrow/few_points.h"
+#include "detection/narrow/mesh/mesh_contact.h"
 #include "detection/narrow/pairs/pair_table.h"
 #include "detection/narrow/seams.h"
 
@@ -14,6 +15,9 @@ namespace {
 
 constexpr double top_cosine = 0.9987;  // sides are told apart by facing_sine
 
+/// Contact points lie half way between the surfaces.
+Vec3 on_wall(const SurfacePoint& p, double gap) { return p.place - 0.5 * gap * p.normal; }
+
 /// The name that a point has where the two bodies are exchanged.
 Feature exchanged_feature(Feature f) {
   FeatureKind kind = feature_kind(f);
@@ -21,6 +25,9 @@ Feature exchanged_feature(Feature f) {
     kind = kind == FeatureKind::vertex_a ? FeatureKind::vertex_b : FeatureKind::vertex_a;
   return (f >> 48 << 48) | make_feature(kind, feature_vertex_b(f), feature_vertex_a(f));
 }
+
+/// The name that a body's point on a plate has on a mesh.
+Feature feature_on_mesh(Feature f) { return (f >> 48 << 48) | mesh_feature(0, local_name(f)); }
 
 }  // namespace
 
@@ -35,20 +42,38 @@ std::uint32_t Seams::surface_of(std::uint32_t group) const {
   return group;
 }
 
+/// Contact i of the group as the body sees it.
+SurfacePoint Seams::seen(const ContactSet& contacts, std::size_t i, const Group& group, bool wall_is_b) {
+  const Vec3 &arm = contacts.arm[i], &normal = contacts.normal[i];
+  return {i, wall_is_b ? arm : Vec3(arm - group.branch), wall_is_b ? Vec3(-normal) : normal};
+}
+
 /// Level walls are one surface to a body of flat faces that is on both, wherever it touches them.
 void Seams::join_level(const World& world, const ContactSet& contacts) {
   for (std::uint32_t k = 0; k < groups_.size(); ++k)
     for (const bool body_is_b : {false, true}) {
-      const Slot body = groups_[k].of(body_is_b), wall = groups_[k].of(!body_is_b);
-      if (flat_[body] == 0 || !world.is_movable(body) || world.is_movable(wall)) continue;
-      const Vec3& normal = contacts.normal[groups_[k].begin];
+      const Slot body = groups_[k].of(body_is_b);
+      if (flat_[body] == 0 || !world.is_movable(body) || world.is_movable(groups_[k].of(!body_is_b))) continue;
       for (const std::uint32_t m : of_body_.at(body)) {
         if (m >= k) break;
         if (world.is_movable(groups_[m].of(groups_[m].a == body))) continue;
-        find_tops(world, std::array{m, k}, body, body_is_b ? normal : Vec3(-normal));
-        if (tops_.size() == 2) join(groups_[k], groups_[m]);
+        if (surface_of(k) != surface_of(m) && are_level(world, contacts, k, m, body)) join(groups_[k], groups_[m]);
       }
     }
+}
+
+/// Either wall may have the contact that shows the plane: near its edge the other one's own may be that of its side.
+bool Seams::are_level(const World& world, const ContactSet& contacts, std::uint32_t k, std::uint32_t m, Slot body) {
+  for (const std::uint32_t shown : {k, m}) {
+    const Group& group = groups_[shown];
+    for (std::size_t i = group.begin; i < group.end; ++i) {
+      if (i > group.begin && same_direction(contacts.normal[i], contacts.normal[i - 1])) continue;
+      const SurfacePoint p = seen(contacts, i, group, group.a == body);
+      find_tops(world, std::array{shown, shown == k ? m : k}, body, p.normal, on_wall(p, contacts.gap[i]));
+      if (tops_.size() == 2) return true;
+    }
+  }
+  return false;
 }
 
 /// Contacts of one surface come in the order of the ids of its walls: slots change.
@@ -81,9 +106,7 @@ void Seams::rest_on_few(const World& world, ContactSet& contacts, std::span<cons
     const Group& group = groups_[k];
     const bool wall_is_b = surface.size() == 1 || world.is_movable(group.a);
     for (std::size_t i = group.begin; i < group.end; ++i)
-      if (hidden_[i] == 0)
-        points_on_.push_back({i, wall_is_b ? contacts.arm[i] : Vec3(contacts.arm[i] - group.branch),
-                              wall_is_b ? Vec3(-contacts.normal[i]) : contacts.normal[i]});
+      if (hidden_[i] == 0) points_on_.push_back(seen(contacts, i, group, wall_is_b));
     size = std::min({size, radius_[group.a], radius_[group.b]});
   }
   if (surface.size() == 1 && points_on_.size() < 2) return;
@@ -108,7 +131,7 @@ void Seams::rest_on_few(const World& world, ContactSet& contacts, std::span<cons
   if (points_on_.size() > 1 && keep_few(points_on_, outlines, size, tolerance * size, contacts, hidden_)) join_all();
 }
 
-/// On level polyhedral walls a body with flat faces has the contacts with one plate. Single pairs would have the normal
+/// On level walls a body with flat faces has the contacts with one plate. Single pairs would have the normal
 /// of least depth and few points, as if the other walls did not exist.
 void Seams::rest_on_tops(const World& world, ContactSet& contacts, std::span<const std::uint32_t> surface,
                          double size) {
@@ -117,7 +140,8 @@ void Seams::rest_on_tops(const World& world, ContactSet& contacts, std::span<con
   if (flat_[body] == 0) return;
   const std::size_t before = points_on_.size();
   for (std::size_t k = 0; k < before; ++k) {
-    find_tops(world, surface, body, points_on_[k].normal);
+    const SurfacePoint& p = points_on_[k];
+    find_tops(world, surface, body, p.normal, on_wall(p, contacts.gap[p.contact]));
     if (tops_.empty()) continue;
     const Vec3 up = tops_.front().side.normal;
     const auto is_there = [&](const SurfacePoint& p) { return up.dot(p.normal) > top_cosine; };
@@ -132,7 +156,9 @@ void Seams::rest_on_tops(const World& world, ContactSet& contacts, std::span<con
   std::erase_if(points_on_, [&](const SurfacePoint& p) { return hidden_[p.contact] != 0; });
 }
 
-void Seams::find_tops(const World& world, std::span<const std::uint32_t> surface, Slot body, const Vec3& normal) {
+/// on_wall: a place in the plane.
+void Seams::find_tops(const World& world, std::span<const std::uint32_t> surface, Slot body, const Vec3& normal,
+                      const Vec3& on_wall) {
   tops_.clear();
   for (const std::uint32_t k : surface) {
     const Group& group = groups_[k];
@@ -140,7 +166,7 @@ void Seams::find_tops(const World& world, std::span<const std::uint32_t> surface
     const Slot wall = group.of(wall_is_b);
     Top top{&group, {ShapeRef{world.shape[wall]}, world.pose(wall)}, {}};
     top.piece.pose.position = wall_is_b ? group.branch : Vec3(-group.branch);
-    top.side = plane_side(shapes_, top.piece, normal);
+    top.side = plane_side(shapes_, top.piece, normal, on_wall, 2.0 * radius_[body]);
     if (!std::isfinite(top.side.offset)) continue;
     const Top& one = tops_.empty() ? top : tops_.front();
     const Vec3 foot = -top.above(Vec3::Zero()) * top.side.normal;
@@ -160,12 +186,12 @@ const Seams::Top* Seams::top_under(const Vec3& place, double near) const {
 
 /// Depth at which one of the tops begins below another; bodies less deep do not reach it.
 bool Seams::is_in_joint(const SurfacePoint& p, double gap, double size) const {
-  const Vec3 on_wall = p.place - 0.5 * gap * p.normal;
+  const Vec3 at = on_wall(p, gap);
   const auto own = std::ranges::find_if(
       tops_, [&](const Top& top) { return top.group->begin <= p.contact && p.contact < top.group->end; });
-  if (own == tops_.end() || !(own->above(on_wall) < tolerance * size)) return false;
+  if (own == tops_.end() || !(own->above(at) < tolerance * size)) return false;
   return std::ranges::any_of(tops_,
-                             [&](const Top& top) { return &top != &*own && is_under(top, on_wall, tolerance * size); });
+                             [&](const Top& top) { return &top != &*own && is_under(top, at, tolerance * size); });
 }
 
 /// Replaces the contacts by those with a plate at the tops, if all are over one of them and none of the pairs is
@@ -193,13 +219,16 @@ bool Seams::stand_on_tops(const World& world, ContactSet& contacts, Slot body, d
   for (std::size_t i = 0; i < on_plate.size(); ++i) {
     const Group& g = *top_of[i]->group;
     const bool of_a = g.a == body;
+    const bool on_mesh = std::ranges::binary_search(contacts.meshes, g.of(of_a));
     const Vec3 &n = on_plate.normal[i], &place = on_plate.arm[i];
+    const Feature f = on_plate.feature[i];
     if (parts_[body] != 0) points_on_.push_back({contacts.size(), place, -n});
     contacts.append(g.a, g.b,
                     {on_plate.gap[i], of_a ? n : Vec3(-n), of_a ? place : Vec3(place + g.branch),
                      contacts.with_curvature ? on_plate.effective_radius[i] : 0.0,
-                     (contacts.feature[g.begin] >> 56 << 56) |
-                         (of_a || keeps_names ? on_plate.feature[i] : exchanged_feature(on_plate.feature[i]))});
+                     (contacts.feature[g.begin] >> 56 << 56) | (on_mesh               ? feature_on_mesh(f)
+                                                                : of_a || keeps_names ? f
+                                                                                      : exchanged_feature(f))});
     hidden_.push_back(0);
   }
   return !top_of.empty();

@@ -9,7 +9,7 @@
 /// to a tenth of half their least width. In a periodic cell a wall that is as wide as the cell touches its own images.
 /// The convex parts of a solid, free or fixed, are one surface in the same way. On a surface of fixed or driven
 /// walls a body rests with the points of one wall, and so does a body of parts (few_points.h); one with flat faces on
-/// level polyhedra as on one plate (seam_surfaces.cpp), whatever normal and points each pair has chosen.
+/// level faces as on one plate (seam_surfaces.cpp), whatever normal and points each pair has chosen.
 ///
 /// Limits: of closed meshes only the surface counts, not the interior; free bodies are not joined for a body that
 /// touches more than 64, or that is fixed or driven.
@@ -135,11 +135,14 @@ class Seams {
   /// Their walls are one surface.
   void join(const Group& first, const Group& second);
   std::uint32_t surface_of(std::uint32_t group) const;
+  static SurfacePoint seen(const ContactSet& contacts, std::size_t i, const Group& group, bool wall_is_b);
   void join_level(const World& world, const ContactSet& contacts);
+  bool are_level(const World& world, const ContactSet& contacts, std::uint32_t k, std::uint32_t m, Slot body);
   void rest_on_few(const World& world, ContactSet& contacts);
   void rest_on_few(const World& world, ContactSet& contacts, std::span<const std::uint32_t> surface);
   void find_corners(const World& world, Slot body, const Vec3& centre, OutlineCorners& out) const;
-  void find_tops(const World& world, std::span<const std::uint32_t> surface, Slot body, const Vec3& normal);
+  void find_tops(const World& world, std::span<const std::uint32_t> surface, Slot body, const Vec3& normal,
+                 const Vec3& on_wall);
   bool is_under(const Top& top, const Vec3& place, double near) const;
   bool is_in_joint(const SurfacePoint& p, double gap, double size) const;
   const Top* top_under(const Vec3& place, double near) const;
