@@ -285,10 +285,10 @@ PlaneSide plane_side(const ShapeStore& shapes, const WallPiece& piece, const Vec
       least = off;
       found = {side, offset};
     };
-    const auto see_faces = [&](const auto& polyhedron, const Vec3& centre) {
+    const auto see_faces = [&](const auto& polyhedron, const Vec3& middle) {
       const PolyhedronView view = polyhedron.view();
       for (std::size_t k = 0; k < view.face_normals.size() && !(polyhedron.rounding() > 0.0); ++k)
-        see(view.face_normals[k], view.face_offsets[k] + view.face_normals[k].dot(centre));
+        see(view.face_normals[k], view.face_offsets[k] + view.face_normals[k].dot(middle));
     };
     if constexpr (PolyhedralShape<S>) see_faces(s, Vec3::Zero());
     if constexpr (FlatParts<S> && PolyhedralShape<PartOf<S>>)
