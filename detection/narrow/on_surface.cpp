@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "detection/narrow/gjk/gjk.h"
-#include "detection/narrow/mesh/point_triangle.h"
+#include "detection/narrow/mesh/mesh_region.h"
 #include "detection/narrow/pairs/part_pairs.h"
 
 namespace epafi {
@@ -272,33 +272,44 @@ Vec3 side_normal(const ShapeStore& shapes, const WallPiece& piece, const Vec3& p
 }
 
 PlaneSide plane_side(const ShapeStore& shapes, const WallPiece& piece, const Vec3& normal, const Vec3& point,
-                     double reach) {
-  const Vec3 at = piece.pose.to_local(point), n = piece.pose.orientation.conjugate() * normal;
+                     const Vec3& centre, double reach) {
+  const Vec3 at = piece.pose.to_local(point), body = piece.pose.to_local(centre),
+             n = piece.pose.orientation.conjugate() * normal;
+  const double most_turned = std::sqrt(1.0 - facing_sine * facing_sine);
   PlaneSide found{normal};
   shapes.with(piece.shape, [&]<class S>(const S& s) {
     double least = infinity;
     const auto see = [&](const Vec3& side, double offset) {
       const double off = std::abs(side.dot(at) - offset) + reach * (side - n).norm();
-      if (!(off < least) || !(side.dot(n) > std::sqrt(1.0 - facing_sine * facing_sine))) return;
+      if (!(off < least) || !(side.dot(n) > most_turned)) return;
       least = off;
       found = {side, offset};
     };
-    const auto see_faces = [&](const auto& polyhedron, const Vec3& centre) {
+    const auto see_faces = [&](const auto& polyhedron, const Vec3& middle) {
       const PolyhedronView view = polyhedron.view();
       for (std::size_t k = 0; k < view.face_normals.size() && !(polyhedron.rounding() > 0.0); ++k)
-        see(view.face_normals[k], view.face_offsets[k] + view.face_normals[k].dot(centre));
+        see(view.face_normals[k], view.face_offsets[k] + view.face_normals[k].dot(middle));
     };
     if constexpr (PolyhedralShape<S>) see_faces(s, Vec3::Zero());
     if constexpr (FlatParts<S> && PolyhedralShape<PartOf<S>>)
       for (std::size_t k = 0; k < s.part_count(); ++k) {
-        const Vec3 centre = s.part_pose(k, Pose{}).position;
-        if ((centre - at).norm() <= s.part(k).bounding_radius() + reach) see_faces(s.part(k), centre);
+        const Vec3 middle = s.part_pose(k, Pose{}).position;
+        if ((middle - body).norm() <= s.part(k).bounding_radius() + reach) see_faces(s.part(k), middle);
       }
-    if constexpr (std::is_same_v<S, TriangleMesh>)
-      Piece<S>::each_near(s, at, reach, [&](std::uint32_t t, double) {
-        const Vec3 side = s.normals[t].dot(n) < 0.0 ? Vec3(-s.normals[t]) : s.normals[t];
+    if constexpr (std::is_same_v<S, TriangleMesh>) {
+      static thread_local std::vector<std::uint32_t> triangles;  // they keep their sizes
+      static thread_local std::vector<unsigned char> fronts;
+      triangles.clear();
+      Piece<S>::each_near(s, body, reach, [&](std::uint32_t t, double) { triangles.push_back(t); });
+      const auto faces = [&](std::uint32_t t) { return std::abs(s.normals[t].dot(n)) > most_turned; };
+      if (std::ranges::none_of(triangles, faces)) return;
+      find_sides(s, triangles, body, fronts);
+      for (std::size_t k = 0; k < triangles.size(); ++k) {
+        const std::uint32_t t = triangles[k];
+        const Vec3 side = fronts[k] != 0 ? s.normals[t] : Vec3(-s.normals[t]);
         see(side, side.dot(s.vertices[s.triangles[t][0]]));
-      });
+      }
+    }
   });
   if (std::isfinite(found.offset)) found.normal = piece.pose.orientation * found.normal;
   return found;

@@ -48,9 +48,10 @@ struct PlaneSide {
   double offset = infinity;  ///< [m]; infinite: there is none
 };
 
-/// Of polyhedra, solids and meshes: the side nearest to the plane through `point` across `normal` (unit), as far as
-/// `reach` [m] from there. Normals agree within facing_sine. Both sides of a mesh count, in its triangles within reach.
+/// Of polyhedra, solids and meshes: the side nearest to the plane through `point` across `normal` (unit). Normals agree
+/// within facing_sine. Of a mesh and of parts what is within `reach` [m] of `centre` counts, of a mesh on the side of
+/// the surface on which that is.
 PlaneSide plane_side(const ShapeStore& shapes, const WallPiece& piece, const Vec3& normal, const Vec3& point,
-                     double reach);
+                     const Vec3& centre, double reach);
 
 }  // namespace epafi

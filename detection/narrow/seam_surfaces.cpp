@@ -139,20 +139,23 @@ void Seams::rest_on_tops(const World& world, ContactSet& contacts, std::span<con
   const Slot body = first.of(world.is_movable(first.b));
   if (flat_[body] == 0) return;
   const std::size_t before = points_on_.size();
-  for (std::size_t k = 0; k < before; ++k) {
-    const SurfacePoint& p = points_on_[k];
-    find_tops(world, surface, body, p.normal, on_wall(p, contacts.gap[p.contact]));
-    if (tops_.empty()) continue;
-    const Vec3 up = tops_.front().side.normal;
-    const auto is_there = [&](const SurfacePoint& p) { return up.dot(p.normal) > top_cosine; };
-    if (std::any_of(points_on_.begin(), points_on_.begin() + static_cast<std::ptrdiff_t>(k), is_there)) continue;
-    double deepest = infinity;
-    for (const SurfacePoint& p : points_on_)
-      if (is_there(p)) deepest = std::min(deepest, contacts.gap[p.contact]);
-    if (!stand_on_tops(world, contacts, body, deepest, size)) continue;
-    for (const SurfacePoint& p : std::span(points_on_).first(before))
-      if (is_there(p) || is_in_joint(p, contacts.gap[p.contact], size)) hidden_[p.contact] = 1;
-  }
+  // the plane of most walls first: what others have in the joints beneath it is hidden
+  for (std::size_t most = surface.size(); most > 0; --most)
+    for (std::size_t k = 0; k < before; ++k) {
+      const SurfacePoint shown = points_on_[k];
+      if (hidden_[shown.contact] != 0) continue;
+      find_tops(world, surface, body, shown.normal, on_wall(shown, contacts.gap[shown.contact]));
+      if (tops_.size() != most) continue;
+      const Vec3 up = tops_.front().side.normal;
+      const auto is_there = [&](const SurfacePoint& p) { return up.dot(p.normal) > top_cosine; };
+      if (std::any_of(points_on_.begin(), points_on_.begin() + static_cast<std::ptrdiff_t>(k), is_there)) continue;
+      double deepest = infinity;
+      for (const SurfacePoint& p : points_on_)
+        if (is_there(p)) deepest = std::min(deepest, contacts.gap[p.contact]);
+      if (!stand_on_tops(world, contacts, body, deepest, size)) continue;
+      for (const SurfacePoint& p : std::span(points_on_).first(before))
+        if (is_there(p) || is_in_joint(p, contacts.gap[p.contact], size)) hidden_[p.contact] = 1;
+    }
   std::erase_if(points_on_, [&](const SurfacePoint& p) { return hidden_[p.contact] != 0; });
 }
 
@@ -166,7 +169,7 @@ void Seams::find_tops(const World& world, std::span<const std::uint32_t> surface
     const Slot wall = group.of(wall_is_b);
     Top top{&group, {ShapeRef{world.shape[wall]}, world.pose(wall)}, {}};
     top.piece.pose.position = wall_is_b ? group.branch : Vec3(-group.branch);
-    top.side = plane_side(shapes_, top.piece, normal, on_wall, 2.0 * radius_[body]);
+    top.side = plane_side(shapes_, top.piece, normal, on_wall, Vec3::Zero(), radius_[body]);
     if (!std::isfinite(top.side.offset)) continue;
     const Top& one = tops_.empty() ? top : tops_.front();
     const Vec3 foot = -top.above(Vec3::Zero()) * top.side.normal;

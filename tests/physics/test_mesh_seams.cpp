@@ -14,7 +14,7 @@ using namespace epafi;
 namespace {
 
 constexpr double cell_width = 0.4, thick = 0.1;
-constexpr std::uint64_t settled = 500, slid = 6000;  // over 0.3 m
+constexpr std::uint64_t settled = 500, slid = 11000, looked_at_every = 20;  // over 0.22 m
 
 enum class TileKind { closed, sheet, polyhedron };
 
@@ -49,7 +49,7 @@ class SlidingScene {
  public:
   explicit SlidingScene(bool periodic)
       : text_(fmt::format(
-            "[run]\nduration = 1\ntime_step = 5e-5\n[world]\ngravity = [0, 0, -9.81]\n{}[material]\na = {{ density = "
+            "[run]\nduration = 1\ntime_step = 2e-5\n[world]\ngravity = [0, 0, -9.81]\n{}[material]\na = {{ density = "
             "1000, youngs_modulus = 1e7, poissons_ratio = 0.3 }}\n[contact]\nmethod = \"smooth\"\nrestitution = "
             "0\nfriction = 0\n",
             periodic ? fmt::format("domain = {{ min = [0, 0, -0.2], max = [{0}, {0}, 0.4], periodic = [\"x\", \"y\"] "
@@ -80,7 +80,7 @@ std::string scene_of(Random& random, std::span<const TileKind> kinds) {
     write_tile("seam_tile_0.obj", false, {0.0, cell_width}, {0.0, 0.0}, {0.0, cell_width});
     scene.add_tile("seam_tile_0.obj", kinds[0]);
   }
-  const double skew = random.uniform(0, 0.3), at = random.uniform(0.1, 0.3);
+  const double skew = random.uniform(0, 0.3), at = random.uniform(0.08, 0.15);
   for (std::size_t k = 0; k < kinds.size() && kinds.size() > 1; ++k) {
     const std::string file = fmt::format("seam_tile_{}.obj", k);
     const auto ends = k == 0 ? std::array{-1.0, at} : std::array{at, 2.0};
@@ -91,7 +91,7 @@ std::string scene_of(Random& random, std::span<const TileKind> kinds) {
   double height = 0.0;
   const std::string body = sliding_shape(random, height);
   const double yaw = random.uniform(0, testing::pi), way = random.uniform(-0.5, 0.5);
-  scene.add(body, Vec3(0.5 * at, random.uniform(0, 0.05), height - 1e-4),
+  scene.add(body, Vec3(kinds.size() == 1 ? cell_width - at : 0.0, random.uniform(0, 0.05), height - 1e-4),
             fmt::format("orientation = [{:.17g}, 0, 0, {:.17g}]\nvelocity = [{:.17g}, {:.17g}, 0]", std::cos(yaw),
                         std::sin(yaw), std::cos(way), std::sin(way)));
   return scene.text();
@@ -104,7 +104,7 @@ TEST_CASE("flat bodies keep their speed over the seams of meshes", "[seams][phys
   const std::vector<std::vector<TileKind>> floors = {{closed, closed},    {sheet, closed},      {closed, sheet},
                                                      {sheet, polyhedron}, {polyhedron, closed}, {closed}};
   Random random(646, 1);
-  for (std::size_t draw = 0; draw < 3 * floors.size(); ++draw) {
+  for (std::size_t draw = 0; draw < 2 * floors.size(); ++draw) {
     experiments::SceneRun run = experiments::start_text(scene_of(random, floors[draw % floors.size()]));
     const World& world = run.simulation().world;
     double most_off = 0.0, spin = 0.0;
@@ -112,7 +112,7 @@ TEST_CASE("flat bodies keep their speed over the seams of meshes", "[seams][phys
     Slot body = 0;
     while (!world.is_movable(body)) ++body;
     const Vec3 before = world.velocity[body];
-    for (std::uint64_t step = settled + 1; step <= slid && run.failure.empty(); ++step) {
+    for (std::uint64_t step = settled; step <= slid && run.failure.empty(); step += looked_at_every) {
       run.advance_to(step);
       most_off = std::max(most_off, (world.velocity[body] - before).head<2>().norm());
       spin = std::max(spin, world.angular_velocity[body].norm());
