@@ -13,7 +13,7 @@ using namespace epafi;
 
 namespace {
 
-constexpr double cell_width = 0.4, thick = 0.1;
+constexpr double floor_width = 0.4, thick = 0.1;
 constexpr std::uint64_t settled = 500, slid = 11000, looked_at_every = 20;  // over 0.22 m
 
 enum class TileKind { closed, sheet, polyhedron };
@@ -54,7 +54,7 @@ class SlidingScene {
             "0\nfriction = 0\n",
             periodic ? fmt::format("domain = {{ min = [0, 0, -0.2], max = [{0}, {0}, 0.4], periodic = [\"x\", \"y\"] "
                                    "}}\n",
-                                   cell_width)
+                                   floor_width)
                      : "")) {}
   void add_tile(const std::string& file, TileKind kind) {
     add(fmt::format("{} = {{ file = \"{}/{}\" }}", kind == TileKind::polyhedron ? "polyhedron" : "mesh",
@@ -77,7 +77,7 @@ class SlidingScene {
 std::string scene_of(Random& random, std::span<const TileKind> kinds) {
   SlidingScene scene(kinds.size() == 1);
   if (kinds.size() == 1) {
-    write_tile("seam_tile_0.obj", false, {0.0, cell_width}, {0.0, 0.0}, {0.0, cell_width});
+    write_tile("seam_tile_0.obj", false, {0.0, floor_width}, {0.0, 0.0}, {0.0, floor_width});
     scene.add_tile("seam_tile_0.obj", kinds[0]);
   }
   const double skew = random.uniform(0, 0.3), at = random.uniform(0.08, 0.15);
@@ -91,7 +91,7 @@ std::string scene_of(Random& random, std::span<const TileKind> kinds) {
   double height = 0.0;
   const std::string body = sliding_shape(random, height);
   const double yaw = random.uniform(0, testing::pi), way = random.uniform(-0.5, 0.5);
-  scene.add(body, Vec3(kinds.size() == 1 ? cell_width - at : 0.0, random.uniform(0, 0.05), height - 1e-4),
+  scene.add(body, Vec3(kinds.size() == 1 ? floor_width - at : 0.0, random.uniform(0, 0.05), height - 1e-4),
             fmt::format("orientation = [{:.17g}, 0, 0, {:.17g}]\nvelocity = [{:.17g}, {:.17g}, 0]", std::cos(yaw),
                         std::sin(yaw), std::cos(way), std::sin(way)));
   return scene.text();

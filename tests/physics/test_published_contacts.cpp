@@ -48,6 +48,22 @@ ContactSet read_in_pieces(const Simulation& sim) {
   all.sort();
   return all;
 }
+
+bool is_wanted(Slot a, Slot b) { return (a + b) % 3 == 0; }
+
+ContactSet chosen(const Simulation& sim) {
+  return ContactPieces(sim.world, sim.work.contacts, sim.pipeline.contact_model.get()).wanted(is_wanted);
+}
+
+ContactSet those_of(const ContactSet& all, const ContactModel::Wanted& are_wanted) {
+  ContactSet some;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!are_wanted(all.a[i], all.b[i])) continue;
+    some.append(all.a[i], all.b[i], {all.gap[i], all.normal[i], all.arm[i], 0.0, all.feature[i]});
+    some.force.push_back(all.force[i]);
+  }
+  return some;
+}
 }  // namespace
 
 TEST_CASE("contacts of the fused loop are published in canonical order, the same for every thread count",
@@ -69,11 +85,7 @@ TEST_CASE("contacts of the fused loop are published in canonical order, the same
     sim.start();  // no step: the same forces again, and none is published
     const std::size_t others = sim.work.contacts.size();
     const ContactSet pieces = read_in_pieces(sim);
-    const auto is_wanted = [](Slot a, Slot b) { return (a + b) % 3 == 0; };
-    const auto chosen = [&] {
-      return ContactPieces(sim.world, sim.work.contacts, sim.pipeline.contact_model.get()).wanted(is_wanted);
-    };
-    const ContactSet some = chosen();
+    const ContactSet some = chosen(sim);
     sim.pipeline.contact_model->publish(sim.world, sim.work.contacts);
     const ContactSet& c = sim.work.contacts;
     CHECK((others > 50 && c.size() > others + 2000));
@@ -84,13 +96,8 @@ TEST_CASE("contacts of the fused loop are published in canonical order, the same
     CHECK(is_same(c, *first));
     CHECK(std::tie(pieces.a, pieces.b, pieces.feature, pieces.gap, pieces.normal, pieces.arm, pieces.force) ==
           std::tie(c.a, c.b, c.feature, c.gap, c.normal, c.arm, c.force));
-    ContactSet wanted;
-    for (std::size_t i = 0; i < c.size(); ++i) {
-      if (!is_wanted(c.a[i], c.b[i])) continue;
-      wanted.append(c.a[i], c.b[i], {c.gap[i], c.normal[i], c.arm[i], 0.0, c.feature[i]});
-      wanted.force.push_back(c.force[i]);
-    }
-    CHECK((is_same(some, wanted) && is_same(chosen(), wanted) && wanted.size() > 500));
+    const ContactSet wanted = those_of(c, is_wanted);
+    CHECK((is_same(some, wanted) && is_same(chosen(sim), wanted) && wanted.size() > 500));
     const ContactSet again = read_in_pieces(sim);  // now that all are in the set: none of them twice
     CHECK(std::tie(again.a, again.b, again.force) == std::tie(c.a, c.b, c.force));
   }

@@ -21,7 +21,7 @@ const std::string settings =
     "youngs_modulus = \"5 MPa\"\npoissons_ratio = 0.3\n[contact]\nmethod = \"smooth\"\nrestitution = 0.5\n"
     "friction = 0.5\n[shape.ball]\nsphere = { radius = 0.01 }\n";
 
-std::string floor(double height, const std::string& shape = "half_space = { normal = [0, 0, 1] }") {
+std::string floor_at(double height, const std::string& shape = "half_space = { normal = [0, 0, 1] }") {
   return fmt::format(
       "[[body]]\nname = \"floor\"\nshape = {{ {} }}\nmaterial = \"m\"\nposition = [0, 0, {}]\nfixed = true\n", shape,
       height);
@@ -53,7 +53,7 @@ void run(const fs::path& scene, const fs::path& out) {
 TEST_CASE("bodies of a run that a scene does not take leave their names to its own", "[scenes][start]") {
   const TemporaryFolder folder;
   std::mt19937 random(12);
-  std::ofstream(folder / "first.toml") << settings << floor(0) << ball("p", 0) << ball("q", 0.1);
+  std::ofstream(folder / "first.toml") << settings << floor_at(0) << ball("p", 0) << ball("q", 0.1);
   run(folder / "first.toml", folder / "first");
   for (int draw = 0; draw < 6; ++draw) {
     const bool by_region = draw % 2 == 0, boxed = draw % 3 == 0;
@@ -61,7 +61,7 @@ TEST_CASE("bodies of a run that a scene does not take leave their names to its o
     const std::string take =
         by_region ? "region = { box = { min = [-0.05, -1, 0.001], max = [0.05, 1, 1] } }" : "bodies = [\"p\"]";
     const std::string own =
-        boxed ? floor(-0.05 - sunk, "box = { size = [1, 1, 0.1] }") : floor(-sunk);  // where it is written here
+        boxed ? floor_at(-0.05 - sunk, "box = { size = [1, 1, 0.1] }") : floor_at(-sunk);  // where it is written here
     const std::string text =
         fmt::format("[start]\nfrom = {{ run = \"first\", {} }}\n", take) + settings + own + ball("q", 0.3);
     INFO(text);
@@ -85,15 +85,15 @@ TEST_CASE("bodies of a run that a scene does not take leave their names to its o
 
 TEST_CASE("what a run overrules in a scene that starts from it is told", "[scenes][start]") {
   const TemporaryFolder folder;
-  std::ofstream(folder / "first.toml") << settings << floor(0) << ball("p", 0) << lattice(10);
+  std::ofstream(folder / "first.toml") << settings << floor_at(0) << ball("p", 0) << lattice(10);
   run(folder / "first.toml", folder / "first");
   struct Case {
     std::string bodies, told;
   };
   const std::string place = "place and velocity are those of there", shape = "with another shape";
-  for (const Case& c : {Case{floor(0) + ball("p", 0) + lattice(10), ""}, Case{ball("p", 0.2), place},
+  for (const Case& c : {Case{floor_at(0) + ball("p", 0) + lattice(10), ""}, Case{ball("p", 0.2), place},
                         Case{ball("p", 0) + lattice(12), "adds no bodies"},
-                        Case{floor(0, "box = { size = [1, 1, 0.1] }"), shape}, Case{floor(-0.1), place}}) {
+                        Case{floor_at(0, "box = { size = [1, 1, 0.1] }"), shape}, Case{floor_at(-0.1), place}}) {
     INFO(c.bodies);
     ReadResult read = read_scene_text("[start]\nfrom = \"first\"\n" + settings + c.bodies,
                                       (folder / "next.toml").string(), {}, full_registry());

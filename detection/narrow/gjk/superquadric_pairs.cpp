@@ -150,7 +150,7 @@ struct PairsAtOnce {
     using M = MaskOf<V>;
     constexpr int most_rounds = 24;
     constexpr double shorter = 0.9, least_share = 0.25, gap_of_last_step = 1e-12;
-    NormalLanes<V> lanes;
+    NormalLanes<V> lanes{};
     V limit, allowed, certain_depth;
     for (int l = 0; l < n; ++l) {  // lanes behind the last pair repeat it
       const SuperquadricPair& p = pairs[first + std::min<std::size_t>(static_cast<std::size_t>(l), count - 1)];
