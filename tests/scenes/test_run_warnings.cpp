@@ -190,10 +190,14 @@ TEST_CASE("measures that look at every step are predicted", "[scenes][predicted]
                            "repeat = [8, 8, 8]\nshape = { sphere = { radius = 0.01 } }\nmaterial = \"m\"\n"
                            "position = [\"= 0.01999*i\", \"= 0.01999*j\", \"= 0.01999*k\"]\n" +
                                measures;
-    const std::string text = captured([&] { return command_check({file.string(), {}}); }).out;
-    const std::size_t end = text.find(" s of steps"), begin = text.rfind(' ', end - 1);
-    REQUIRE(end != std::string::npos);
-    return std::stod(text.substr(begin));
+    double least = std::numeric_limits<double>::infinity();  // what other programs do makes a step longer, not shorter
+    for (int turn = 0; turn < 3; ++turn) {
+      const std::string text = captured([&] { return command_check({file.string(), {}}); }).out;
+      const std::size_t end = text.find(" s of steps"), begin = text.rfind(' ', end - 1);
+      REQUIRE(end != std::string::npos);
+      least = std::min(least, std::stod(text.substr(begin)));
+    }
+    return least;
   };
   const std::string region = "region = { box = { min = [-1, -1, -1], max = [1, 1, 1] } }\n";
   const std::string stress = "[[measure]]\nkind = \"stress\"\n" + region;
