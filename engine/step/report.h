@@ -102,8 +102,9 @@ struct StepReport {
   double servo_energy = 0.0;  ///< non-smooth: energy that servo walls would gain in this step without contacts [J]
   Losses losses;              ///< parts of `dissipated`, of smooth contact
   double deepest = 0.0;       ///< largest overlap of all contacts [m]
-  double deepest_relative =
-      0.0;  ///< largest overlap of contacts that a model finds itself, over the smaller radius of the pair
+  /// Largest overlap over the smaller radius of the pair: of contacts that a model finds itself, and of all contacts in
+  /// the earlier parts of a divided step.
+  double deepest_relative = 0.0;
   bool has_solver = false;
   SolverReport solver;
   SolverTrouble trouble;

@@ -12,6 +12,7 @@ processes_of() { # those of a run in this folder, without mpirun
     awk -v folder="$1 " '/epafi-mpi (run|resume)/ && index($0 " ", folder) && !/mpirun|awk/ { print $1 }'
 }
 saved() { [ -f "$out/checkpoint.h5" ]; }
+is_met() { saved && [ -n "$(processes_of "$out")" ]; }
 # Starts the run, or goes on with it, on so many ranks, the rest as options.
 go_on() {
   local ranks=$1; shift
@@ -30,8 +31,8 @@ for seed in "$@"; do
   for _ in $(seq "$kills"); do
     go_on $((2 + RANDOM % 3)) &
     starter=$!
-    for _ in $(seq 100); do saved && break; kill -0 $starter 2> /dev/null || break; sleep 0.05; done
-    sleep $((RANDOM % 2)).$((RANDOM % 10))
+    for _ in $(seq 100); do is_met && break; kill -0 $starter 2> /dev/null || break; sleep 0.05; done
+    sleep 0.$((RANDOM % 4))
     mapfile -t all < <(processes_of "$out")
     if [ ${#all[@]} -gt 0 ]; then
       hits=$((hits + 1))
