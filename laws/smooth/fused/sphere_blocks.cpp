@@ -325,8 +325,7 @@ void SphereBlocks::turn_round(Kept& kept) {
              (kept.key >> 16 & 0xffu) << 8;
   for (int k = 0; k < 3; ++k) kept.load[k] = -kept.load[k];
   for (std::size_t k = 0; needs_.rolling && k < 3; ++k) kept_.rolling[kept.more][k] *= -1.0;
-  if (needs_.bristles)
-    for (Vec3& load : kept_.bristles[kept.more].get().load) load = -load;
+  if (needs_.bristles) exchange(kept_.bristles[kept.more].get());
 }
 
 /// Renumbers kept springs to places of the next layout, the lower one first.
