@@ -39,11 +39,12 @@ class Scheme : public StepStage {
 
 struct Extent;
 
-/// Permission for the contact model to do the first half of the next step too. No observer reads this step, so the
-/// elastic energy need not be reported.
+/// No observer reads this step: its elastic energy and the loads of its contacts need not be told. Where events rest in
+/// the next step, the contact model may do its first half too.
 struct RunOn {
-  std::function<bool(const Extent&)> agrees;  ///< whether the extent of the bodies in this step allows it
+  std::function<bool(const Extent&)> agrees;  ///< whether the extent of the bodies in this step allows that
   bool bounded = true;                        ///< the next step needs the extent too, not only finite positions
+  bool rests = true;                          ///< no event acts on a body before the next step
 };
 
 /// Impulses of springs within a step, by slot.
@@ -61,7 +62,7 @@ struct StepClock {
   /// If given (all 0, by slot), only bodies with contacts get forces, and a 1 here; forces of the others are not
   /// written.
   std::vector<std::uint8_t>* touched = nullptr;
-  const RunOn* run_on = nullptr;   ///< if given, the next step has the same dt
+  const RunOn* run_on = nullptr;   ///< if given, nobody reads this step, and the next one has the same dt
   const Pushes* pushes = nullptr;  ///< if given, a model that changes velocities adds them as it adds gravity
 };
 

@@ -172,11 +172,12 @@ std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on, 
   if (remote) return make_remote_step(dt, sort, run_on, timer);
   prepare(dt, sort);
   const double relative = work.report.deepest_relative;  // of earlier parts
-  const RunOn leave{[this](const Extent& seen) { return seen.is_inside(watched()); }, domain.has_value()};
   const bool rest = run_on && std::ranges::all_of(events, [&](const auto& e) { return e->rests_next(world, dt); });
+  const RunOn leave{[this](const Extent& seen) { return seen.is_inside(watched()); }, domain.has_value(), rest};
   if (loads) loads->before_step(world, dt);
   timer.lap(Stage::events);
-  step(world, pipeline, work, dt, timer, rest ? &leave : nullptr);
+  // a body that leaves the domain ends the run: then this step is read
+  step(world, pipeline, work, dt, timer, rest || (run_on && !watched()) ? &leave : nullptr);
   work.report.deepest = block_max<double>(work.contacts.size(), work.report.deepest,
                                           [&](std::size_t k) { return -work.contacts.gap[k]; });
   work.report.deepest_relative = std::max(work.report.deepest_relative, relative);

@@ -113,7 +113,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
       report.has_solver = false;
     }
     others_ = contacts.size() > 0;  // one more call after the last contact has opened releases its spring
-    const bool onward = has_extent_ && clock.run_on && clock.run_on->agrees(seen());
+    const bool onward = has_extent_ && clock.run_on && clock.run_on->rests && clock.run_on->agrees(seen());
     run_blocks(world, clock, onward);
     count(clock.dt, report);
     drive(world, others, clock.dt, report);
@@ -301,7 +301,8 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     dt_ = clock.dt;
     lag_ = lag(clock);
     const auto loop = law_.needs.remembers() ? find_loop<true>() : find_loop<false>();
-    const SphereArrays arrays = arrays_of(world, clock, !onward);  // onward: this step is not observed
+    const bool unread = onward || (clock.run_on && !clock.run_on->rests);
+    const SphereArrays arrays = arrays_of(world, clock, !unread);
     const auto threads = static_cast<std::size_t>(thread_count());
     const std::size_t accumulators = threads == 1 ? 1 : std::min(most_accumulators, all.size() / threads + 1);
     blocks_.set_accumulators(threads * accumulators);
