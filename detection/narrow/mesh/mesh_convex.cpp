@@ -125,14 +125,13 @@ class ConvexOnMesh {
     WayOut way = find_way_out(b_, region_);
     if (!(way.gap - b_.sweep < b_.reach)) return way;
     const RegionPlane& best = best_plane();
-    bool bent = is_bent(way, best), held = is_on_surface(way.on_mesh);
-    if ((!held || (bent && leans_on_others(way))) && continue_rims(b_, region_)) {
+    bool bent = is_bent(way, best);
+    if (bent && (!is_on_surface(way.on_mesh) || leans_on_others(way)) && continue_rims(b_, region_)) {
       way = find_way_out(b_, region_);
       bent = is_bent(way, best);
-      held = !bent || is_on_rim(way) || is_on_surface(way.on_mesh);
     }
     if (way.uncertainty > narrow_enough * std::max(b_.core.radius, region_.radius)) sink_->mark_degenerate();
-    if (!held) return way;
+    if (bent && !is_on_surface(way.on_mesh)) return way;
     const std::size_t before = out_.size();
     if (bent && is_known(way)) return way;
     const bool leans = bent && leans_on_others(way);
