@@ -279,7 +279,7 @@ const char* const rock_names[] = {"table", "plate", "steps", "hull", "holed"};
 template <class S>
 double known_share(support::RockKind kind) {
   if constexpr (std::is_same_v<S, Sphere>) return 0.0;
-  if (kind == support::RockKind::holed && PolyhedralShape<S>) return 4e-3;
+  if (kind == support::RockKind::holed && PolyhedralShape<S>) return 1e-3;
   const bool steps = kind == support::RockKind::steps;
   if constexpr (std::is_same_v<S, SolidParts>) return steps ? 5e-4 : 2e-4;
   if constexpr (std::is_same_v<S, ConvexHull>) return steps ? 2e-3 : 1e-3;
@@ -307,16 +307,16 @@ void sweep(long count, bool told) {
   }
 }
 
-/// A body that crosses the rim of a hole at its corner leans on two sides: neither may let it go.
+/// A body that crosses the rim of a hole at its corner leans on two sides: neither may let it go, and none is added to
+/// what holds it there.
 template <class S>
 void check_at_holes(long count) {
   Random random(664, 0);
   support::MeshSweep<S> poses(support::RockKind::holed, random);
   support::SweepTally t;
   while (t.poses < count) poses.take(random_body<S>(random), t);
-  INFO(S::name << ": " << t.missed << " missed, " << t.off << " off of " << t.poses);
-  CHECK(t.missed == 0);
-  CHECK(static_cast<double>(t.off) <= known_share<S>(support::RockKind::holed) * static_cast<double>(count));
+  INFO(S::name << ": " << t.missed << " missed, " << t.off << " off, " << t.invented << " invented of " << t.poses);
+  CHECK(t.wrong == 0);
 }
 
 template <class... S>
@@ -392,7 +392,7 @@ TEST_CASE("flat bodies over notches and holes of plates are as deep as in the la
 }
 
 TEST_CASE("bodies at the corners of holes are held as by the solids inside", "[detection][mesh][ridge]") {
-  check_at_holes<Box>(600);
+  check_at_holes<Box>(900);
   check_at_holes<ConvexHull>(400);
   check_at_holes<Cylinder>(100);
 }

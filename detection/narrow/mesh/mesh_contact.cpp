@@ -11,9 +11,6 @@ constexpr double same = 1e-6;  // the manifold's snap distance, and an angle no 
 
 }  // namespace
 
-/// The shortest way out of planes is y with n . y >= depth of each: the distance from a convex set, which turns
-/// continuously (Rockafellar and Wets 1998, 2.23). With n / depth as the point of a plane it is p / |p|^2 of the point
-/// p of their hull that is nearest to the origin. first: one of the points.
 Vec3 nearest_of_hull(const Vec3& first, std::span<const Vec3> points) {
   Simplex nearest;
   nearest.count = 1;

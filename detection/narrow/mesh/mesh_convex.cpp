@@ -104,39 +104,44 @@ class ConvexOnMesh {
 
   void meet_regions() {
     find_sides(*mesh_, triangles_, b_.pose.position, fronts_);
-    region_of_.assign(triangles_.size(), none);
     ways_.clear();
-    for (const std::uint32_t t : near_) {
-      if (region_of_[place_of(triangles_, t)] != none) continue;
+    members_.clear();
+    leaning_.clear();
+    const auto meet = [&](std::uint32_t t, bool last) {
       gather_region(b_, triangles_, t, fronts_[place_of(triangles_, t)], region_);
-      for (const std::uint32_t member : region_.triangles)
-        if (std::size_t& known = region_of_[place_of(triangles_, member)]; known == none) known = ways_.size();
+      for (const std::uint32_t member : region_.triangles) members_.emplace_back(member, ways_.size());
       const std::size_t before = out_.size();
-      const WayOut way = meet_region();
+      const WayOut way = meet_region(last);
       ways_.push_back(out_.size() > before ? way : WayOut{infinity, Vec3::Zero(), Vec3::Zero(), 0.0});
-    }
+    };
+    for (const std::uint32_t t : near_)
+      if (std::ranges::find(members_, t, &Member::first) == members_.end()) meet(t, false);
+    for (const std::uint32_t t : leaning_) meet(t, true);
   }
 
   /// Adds the contacts along the shortest way out of the region, which it returns; on a face where its plane is as
-  /// good, within the tolerance.
-  WayOut meet_region() {
+  /// good, within the tolerance. A way that leans on others is left for last: what it leans on may hold the body.
+  WayOut meet_region(bool last) {
     WayOut way = find_way_out(b_, region_);
     if (!(way.gap - b_.sweep < b_.reach)) return way;
     const RegionPlane& best = best_plane();
-    bool bent = is_bent(way, best), held = is_on_surface(way.on_mesh);
-    if ((!held || (bent && leans_on_others(way, way.on_mesh))) && continue_rims(b_, region_)) {
+    bool bent = is_bent(way, best);
+    if (bent && (!is_on_surface(way.on_mesh) || leans_on_others(way)) && continue_rims(b_, region_)) {
       way = find_way_out(b_, region_);
       bent = is_bent(way, best);
-      held = !bent || is_on_rim(way, way.on_mesh) || is_on_surface(way.on_mesh);
     }
     if (way.uncertainty > narrow_enough * std::max(b_.core.radius, region_.radius)) sink_->mark_degenerate();
-    if (!held) return way;
+    if (bent && !is_on_surface(way.on_mesh)) return way;
     const std::size_t before = out_.size();
-    const bool leans = bent && !on_edge(way) && leans_on_others(way, way.on_mesh);
-    const bool known = bent && !leans && is_known(way);
-    if (leans || known) out_.resize(before);
-    if (known) return way;
-    if (!bent || leans) {
+    if (bent && is_known(way)) return way;
+    const bool leans = bent && leans_on_others(way);
+    if (leans && !last) {
+      leaning_.push_back(region_.first);
+      return way;
+    }
+    if (bent && !leans) {
+      on_edge(way);
+    } else {
       on_face(best.triangle, best.normal, leans ? Face::leaning : Face::bent);
       if (leans && out_.size() == before) {  // all ways out may lean on others: edges that end in a notch
         hold_deepest(way, before);
@@ -149,8 +154,8 @@ class ConvexOnMesh {
     return way;
   }
 
-  /// The points of an edge or corner of the region, along the way out. False: all lean on others.
-  bool on_edge(const WayOut& way) {
+  /// The points of an edge or corner of the region, along the way out.
+  void on_edge(const WayOut& way) {
     const Mat3 to_body = b_.turn.transpose();
     const Vec3 n = -(to_body * way.normal);
     const double gap = way.gap - b_.sweep;
@@ -171,15 +176,12 @@ class ConvexOnMesh {
       edge.corner[1] = farthest_from(edge.corner[0]);
       edge.count = (edge.corner[1] - edge.corner[0]).norm() > b_.tolerance ? 2 : 0;
     }
-    bool stands = false;
     const Patch patch = patch_on(edge, {to_body * (way.on_mesh - b_.pose.position) - 0.5 * gap * n, n, gap});
     for (int k = 0; k < patch.count; ++k) {
       const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
       const Vec3 x = b_.pose.position + b_.turn * p.position;
       out_.push_back({x, way.normal, std::max(p.gap, gap), mesh_feature(owner, local_name(p.feature))});
-      stands = stands || !leans_on_others(way, x - 0.5 * p.gap * way.normal);
     }
-    return stands;
   }
   /// The side that the body turns to an edge, both in its axes.
   Patch patch_on(const FlatSide& edge, const NearestPoint& nearest) const {
@@ -222,13 +224,13 @@ class ConvexOnMesh {
     const bool along = way.normal.cross(best.normal).squaredNorm() <= along_face * along_face;
     return best.gap < way.gap - (along ? b_.tolerance : 1e-3 * b_.tolerance + 1e-12 * region_.radius);
   }
-  /// True if x is on the line of a rim of the region, and the way out leaves both of its faces: whatever else meets the
-  /// rim there.
-  bool is_on_rim(const WayOut& way, const Vec3& x) const {
+  /// True if the way out begins on the line of a rim of the region, and leaves both of its faces: whatever else meets
+  /// the rim there.
+  bool is_on_rim(const WayOut& way) const {
     bool found = false;
     each_rim(*mesh_, region_, [&](std::uint32_t t, std::size_t k) {
       const auto corner = mesh_->corners(t);
-      const Vec3 along = (corner[(k + 1) % 3] - corner[k]).normalized(), w = x - corner[k];
+      const Vec3 along = (corner[(k + 1) % 3] - corner[k]).normalized(), w = way.on_mesh - corner[k];
       const Vec3 &m = mesh_->normals[t], &n = mesh_->normals[mesh_->neighbours[t][k]];
       const Vec3 out = region_.front ? way.normal : Vec3(-way.normal), turn = m.cross(n);
       found = found || (std::abs(out.dot(along)) <= along_face && w.cross(along).norm() <= 10.0 * b_.tolerance &&
@@ -240,25 +242,25 @@ class ConvexOnMesh {
     for (RegionPlane& p : region_.planes) p.gap = p.normal.dot(b_.tip(-p.normal) - p.point);
     return *std::ranges::max_element(region_.planes, {}, &RegionPlane::gap);
   }
-  /// True if a triangle at x outside the region extends along the way out, so that the body would move into it or along
-  /// the surface: a concave or an inner edge.
-  bool leans_on_others(const WayOut& way, const Vec3& x) const {
+  /// True if a triangle outside the region extends there along the way out, so that the body would move into it or
+  /// along the surface: a concave or an inner edge.
+  bool leans_on_others(const WayOut& way) const {
+    const Vec3& x = way.on_mesh;
     const auto reaches_out = [&](const Vec3& c) {  // flat within 1e-6 rad is not reaching out
       return way.normal.dot(c - x) > 1e-3 * b_.tolerance + 1e-6 * (c - x).norm();
     };
-    return !is_on_rim(way, x) && std::ranges::any_of(triangles_, [&](std::uint32_t t) {
+    return !is_on_rim(way) && std::ranges::any_of(triangles_, [&](std::uint32_t t) {
       return !std::ranges::binary_search(region_.triangles, t) && lies_on(*mesh_, t, x, 10.0 * b_.tolerance) &&
              std::ranges::any_of(mesh_->corners(t), reaches_out);
     });
   }
   /// True if another region that contains the point is as deep there.
   bool is_known(const WayOut& way) const {
-    for (std::size_t k = 0; k < triangles_.size(); ++k) {
-      if (region_of_[k] >= ways_.size() || !lies_on(*mesh_, triangles_[k], way.on_mesh, b_.tolerance)) continue;
-      const WayOut& known = ways_[region_of_[k]];
-      if (known.gap <= way.gap + b_.tolerance && known.normal.dot(way.normal) > same_edge_cosine) return true;
-    }
-    return false;
+    return std::ranges::any_of(members_, [&](const Member& member) {
+      if (member.second >= ways_.size() || !lies_on(*mesh_, member.first, way.on_mesh, b_.tolerance)) return false;
+      const WayOut& known = ways_[member.second];
+      return known.gap <= way.gap + b_.tolerance && known.normal.dot(way.normal) > same_edge_cosine;
+    });
   }
 
   /// Whether the body sees a plane; a face whose region lets it out sooner, but onto others, or a face with edges.
@@ -391,17 +393,17 @@ class ConvexOnMesh {
     return through;
   }
 
-  static constexpr std::size_t none = std::size_t(-1);
   const MeshGuest* guest_ = nullptr;
   const TriangleMesh* mesh_ = nullptr;
   ContactSink* sink_ = nullptr;
   PlacedCore b_{};
   bool springs_ = true;
   // they keep their sizes: no allocation once the largest contact was seen
-  std::vector<std::uint32_t> near_, triangles_;
-  std::vector<unsigned char> fronts_;   ///< by place: the body is on the front of the surface there
-  std::vector<std::size_t> region_of_;  ///< by place: the first region that the triangle is in
-  std::vector<WayOut> ways_;            ///< by region
+  std::vector<std::uint32_t> near_, triangles_, leaning_;
+  std::vector<unsigned char> fronts_;  ///< by place: the body is on the front of the surface there
+  std::vector<WayOut> ways_;           ///< by region
+  using Member = std::pair<std::uint32_t, std::size_t>;
+  std::vector<Member> members_;  ///< triangles and the regions that they are in
   std::vector<SidePoint> side_, corners_;
   /// beyond_: where the face itself does not hold the body; one remains if no face does
   std::vector<MeshPoint> out_, beyond_;

@@ -14,6 +14,12 @@ constexpr double not_rising = 1e-9;  // [rad] far below what a normal can feel, 
 constexpr double blunt = 1e-4;       // [rad] an edge that bends less does not end a rim
 constexpr double same_distance = 1e-9, half_turn = 3.14159265358979323846;
 
+/// x rises above the plane.
+bool is_above(const PlacedCore& body, const RegionPlane& plane, const Vec3& x) {
+  const Vec3 w = x - plane.point;
+  return plane.normal.dot(w) > body.tolerance + not_rising * w.norm();
+}
+
 /// The triangles around a place, gathered to a region: the first in any case, rounded slivers lie around notches.
 class Gathering {
  public:
@@ -54,17 +60,13 @@ class Gathering {
         region_.notches.push_back(notch);
     }
   }
-  bool is_above(const Vec3& normal, const Vec3& point, const Vec3& x) const {
-    const Vec3 w = x - point;
-    return normal.dot(w) > body_.tolerance + not_rising * w.norm();
-  }
   /// No corner of either rises above the planes of the other.
   bool bends_away(const RegionPlane& plane, const std::array<Vec3, 3>& corner) const {
     for (const Vec3& c : corner)
       for (const RegionPlane& p : region_.planes)
-        if (is_above(p.normal, p.point, c)) return false;
+        if (is_above(body_, p, c)) return false;
     return std::none_of(region_.corners.begin(), region_.corners.end(),
-                        [&](const Vec3& c) { return is_above(plane.normal, plane.point, body_.pose.position + c); });
+                        [&](const Vec3& c) { return is_above(body_, plane, body_.pose.position + c); });
   }
   /// The convex outline of what is gathered in the plane of the face, the corners of one more triangle among it, does
   /// not hold the notch: seen from there, all of it is within half a turn. (A connected part of a face whose outline
@@ -215,10 +217,7 @@ bool continue_rims(const PlacedCore& body, MeshRegion& region) {
     for (const auto& [end, way] : {std::pair<Vec3, Vec3>{a, -along}, {b, along}}) {
       const double length = solid_beyond(body, region.front, end, way, 2.0 * (body.core.radius + body.sweep));
       const Vec3 beyond = end + length * way;
-      const auto rises = [&](const RegionPlane& p) {
-        const Vec3 w = beyond - p.point;
-        return p.normal.dot(w) > body.tolerance + not_rising * w.norm();
-      };
+      const auto rises = [&](const RegionPlane& p) { return is_above(body, p, beyond); };
       if (!(length > body.tolerance) || std::ranges::any_of(region.planes, rises)) continue;
       region.corners.push_back(beyond - body.pose.position);
       region.radius = std::max(region.radius, region.corners.back().norm());
