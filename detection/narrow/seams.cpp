@@ -72,9 +72,9 @@ void Seams::find(const World& world, bool predicted) {
   touching_.assign(world.size(), 0);
   for (Slot s = 0; s < world.size(); ++s) {
     const ShapeRef shape = shape_of(world, s);
-    if (s > 0 && world.shape[s] == world.shape[s - 1] && world.is_movable(s) == world.is_movable(s - 1)) {
-      for (auto* column : {&flat_, &convex_, &parts_}) (*column)[s] = (*column)[s - 1];
-      for (auto* column : {&radius_, &thin_}) (*column)[s] = (*column)[s - 1];
+    if (shape.type() == ShapeStore::type_of<Sphere>()) {
+      flat_[s] = convex_[s] = parts_[s] = 0;
+      radius_[s] = thin_[s] = shapes_.bounding_radius(shape);
       continue;
     }
     flat_[s] = world.is_movable(s) ? is_free_wall(shapes_, shape) : has_flat_faces(shapes_, shape);
