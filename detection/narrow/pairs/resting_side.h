@@ -9,7 +9,7 @@
 namespace epafi {
 
 /// Four points at the top of the end that lies across d, where the surface is 5e-8 of the size below (half of what
-/// counts as equally deep in manifold.cpp); two where it is round across one direction.
+/// counts as equally deep in manifold.cpp); of a round section two, on the line along z. Exponents from 4 on.
 FlatSide resting_side(const Superquadric& s, const Vec3& d);
 
 template <class S>
