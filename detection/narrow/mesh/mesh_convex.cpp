@@ -69,7 +69,7 @@ class ConvexOnMesh {
     beyond_.clear();
     if (!find_near(triangles)) return;
     if (all_plain(mesh, triangles_))
-      on_face(triangles_.front(), normal_towards(mesh, triangles_.front(), pose.position), Face::plain);
+      on_plain_face(mesh.face[triangles_.front()]);
     else
       meet_regions();
     if (out_.empty() && !beyond_.empty()) out_.push_back(*std::ranges::min_element(beyond_, {}, &MeshPoint::gap));
@@ -82,16 +82,16 @@ class ConvexOnMesh {
   }
 
  private:
-  /// Finds the triangles that the body is near to, of a plane the first one, and takes them in place of the candidates;
-  /// with their neighbours where the surface bends: the way out may lean on a face beyond a blunt edge. False: none is.
+  /// Finds the triangles that the body is near to, in place of the candidates, with their neighbours where the surface
+  /// bends: the way out may lean on a face beyond a blunt edge. False: none is. Of a plane any one will do: its closed
+  /// form tells whether the body is near.
   bool find_near(std::span<const std::uint32_t> candidates) {
-    const bool plain = all_plain(*mesh_, candidates);
-    near_.clear();
-    for (const std::uint32_t t : candidates) {
-      if (!is_near(b_, t)) continue;
-      near_.push_back(t);
-      if (plain) break;
+    if (all_plain(*mesh_, candidates)) {
+      triangles_.assign(candidates.begin(), candidates.end());
+      return !candidates.empty();
     }
+    near_.clear();
+    std::ranges::copy_if(candidates, std::back_inserter(near_), [&](std::uint32_t t) { return is_near(b_, t); });
     triangles_ = near_;
     if (all_plain(*mesh_, near_)) return !near_.empty();
     for (const std::uint32_t t : near_)
@@ -101,6 +101,9 @@ class ConvexOnMesh {
     triangles_.erase(std::unique(triangles_.begin(), triangles_.end()), triangles_.end());
     return true;
   }
+
+  /// face: the same triangle whichever is near, for the same bits.
+  void on_plain_face(std::uint32_t face) { on_face(face, normal_towards(*mesh_, face, b_.pose.position), Face::plain); }
 
   void meet_regions() {
     find_sides(*mesh_, triangles_, b_.pose.position, fronts_);
