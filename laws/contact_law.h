@@ -104,8 +104,7 @@ concept NormalLaw = LawPart<L> &&
 template <class Real>
 EPAFI_LANES DashpotLoss<Real> viscous_loss(const KinematicsOf<Real>& at, const ResponseOf<Real>& r, bool remembers) {
   const double before = at.step.before;
-  const Real damper = damper_in_step<Real>(before * at.step.half_mobility, r.dashpot, r.growth);
-  DampedContact<Real> now{r.elastic_force + r.adhesion, r.stiffness, damper, {r.share_before, Real{} + 1.0}};
+  DampedContact<Real> now{r.elastic_force + r.adhesion, r.stiffness, r.dashpot, {r.share_before, Real{} + 1.0}};
   if (!remembers) {
     const Real moved = at.step.dt * at.middle_velocity, late = at.step.dt * at.approach_velocity;
     const Real begun = begun_share<Real>(at.overlap, moved, r.growth);
@@ -116,6 +115,8 @@ EPAFI_LANES DashpotLoss<Real> viscous_loss(const KinematicsOf<Real>& at, const R
     now.before.whole = now.before.whole * begun;
     now.dashpot = now.dashpot * begun;
   }
+  // by the larger whole the dashpot acts as damper_in_step: dashpot_loss divides once
+  now.before.whole = now.before.whole * damper_excess<Real>(before * at.step.half_mobility, r.dashpot, r.growth);
   return dashpot_loss<Real>(at.step, r.force - r.elastic_force, at.approach_velocity, at.middle_velocity, now);
 }
 

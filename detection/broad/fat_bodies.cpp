@@ -226,22 +226,6 @@ double FatBodies::margin_of(const World& world, Slot s, const BroadSetup& setup,
   return std::clamp(wanted, least_share_ * std::min(radius, small), most_margin_ * radius);
 }
 
-/// A single fast body would need a new list every few steps, at five times the cost for all others. If few bodies are
-/// that fast, they get as large a margin as they need.
-void FatBodies::see_strays(const World& world, const BroadSetup& setup, double step_time, double steps) {
-  most_margin_ = most_stray_margin;
-  const auto is_swift = [&](std::size_t i) {
-    if (immovable[i]) return false;
-    return margin_of(world, static_cast<Slot>(i), setup, step_time, steps) >
-           most_margin * radius_of(world, *setup.shapes, i);
-  };
-  const bool may = setup.strays && !world.cell;  // the images of all bodies would stand in so large a region
-  const auto swift =
-      may ? block_sum<std::size_t>(world.size(), [&](std::size_t i) { return std::size_t{is_swift(i)}; }) : 0;
-  const bool few = may && static_cast<double>(swift) <= std::max(1.0, most_strays * static_cast<double>(world.size()));
-  if (!few) most_margin_ = most_margin;
-}
-
 /// Enlargement of the exact bound of a body on every side [m].
 double FatBodies::fattening(const World& world, Slot s, const BroadSetup& setup, double margin) {
   // four units in the last place of the coordinate: far from the origin the box itself is rounded
@@ -274,11 +258,23 @@ void FatBodies::fatten_one(const World& world, const BroadSetup& setup, Slot s, 
 void FatBodies::fatten(const World& world, const BroadSetup& setup, double step_time, double steps) {
   boxes.resize(round_ ? 0 : world.size());
   orientation.resize(world.has_orientation() ? world.size() : 0);
-  see_strays(world, setup, step_time, steps);
-  parallel_for(world.size(), [&](std::size_t i) {
+  most_margin_ = most_margin;
+  // true: the body may need a larger one
+  const auto fatten_body = [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
-    fatten_one(world, setup, s, margin_of(world, s, setup, step_time, steps), world.position[s]);
-  });
+    const double margin = margin_of(world, s, setup, step_time, steps);
+    fatten_one(world, setup, s, margin, world.position[s]);
+    return !immovable[s] && margin >= most_margin * radius_of(world, *setup.shapes, s);
+  };
+  const auto swift = block_sum<std::size_t>(world.size(), [&](std::size_t i) { return std::size_t{fatten_body(i)}; });
+  // A single fast body would need a new list every few steps, at five times the cost for all others. If few bodies are
+  // that fast, they get as large a margin as they need; not in a cell, where the images of all bodies would stand in so
+  // large a region.
+  if (setup.strays && !world.cell &&
+      static_cast<double>(swift) <= std::max(1.0, most_strays * static_cast<double>(world.size()))) {
+    most_margin_ = most_stray_margin;
+    if (swift > 0) parallel_for(world.size(), [&](std::size_t i) { fatten_body(i); });
+  }
   if (!world.cell) return;
   strain_over_half_margin_ = block_max<double>(world.size(), 0.0, [&](std::size_t i) {
     const double size = std::max(ball[i].r, half_of(i));

@@ -226,7 +226,6 @@ struct FatBodies {
   double margin_of(const World& world, Slot s, const BroadSetup& setup, double step_time, double steps) const;
   double mean_motion(const World& world, const BroadSetup& setup, double step_time) const;
   double choose_list_steps(const World& world, const BroadSetup& setup, double step_time, double since);
-  void see_strays(const World& world, const BroadSetup& setup, double step_time, double steps);
   static double fattening(const World& world, Slot s, const BroadSetup& setup, double margin);
   void fatten_one(const World& world, const BroadSetup& setup, Slot s, double margin, const Vec3& x);
   void fatten(const World& world, const BroadSetup& setup, double step_time, double steps);

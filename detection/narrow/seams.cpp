@@ -69,8 +69,14 @@ void Seams::find(const World& world, bool predicted) {
   radius_.resize(world.size());
   thin_.resize(world.size());
   parts_.resize(world.size());
+  touching_.assign(world.size(), 0);
   for (Slot s = 0; s < world.size(); ++s) {
     const ShapeRef shape = shape_of(world, s);
+    if (shape.type() == ShapeStore::type_of<Sphere>()) {
+      flat_[s] = convex_[s] = parts_[s] = 0;
+      radius_[s] = thin_[s] = shapes_.bounding_radius(shape);
+      continue;
+    }
     flat_[s] = world.is_movable(s) ? is_free_wall(shapes_, shape) : has_flat_faces(shapes_, shape);
     convex_[s] = is_convex(shapes_, shape);
     radius_[s] = shapes_.bounding_radius(shape);
@@ -85,6 +91,7 @@ void Seams::find(const World& world, bool predicted) {
 void Seams::hide(const World& world, ContactSet& contacts) {
   contacts.joined.clear();
   if (!joins_ && !solids_) return;
+  if (!solids_ && !touch_several(world, contacts)) return;
   list_groups(world, contacts);
   candidates_.clear();
   others_.clear();
@@ -103,6 +110,23 @@ void Seams::hide(const World& world, ContactSet& contacts) {
   auto& joined = contacts.joined;
   std::sort(joined.begin(), joined.end());
   joined.erase(std::unique(joined.begin(), joined.end()), joined.end());
+}
+
+/// True if some free body touches walls by two groups of contacts. In most steps of a hopper none does: what follows
+/// visits all bodies.
+bool Seams::touch_several(const World& world, const ContactSet& contacts) {
+  bool several = false;
+  const auto each = [&](const auto& see) {
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      const Slot a = contacts.a[i], b = contacts.b[i];
+      if ((flat_[a] != 0 || flat_[b] != 0) && (i == 0 || !same_group(contacts, i - 1, i)))
+        for (const Slot s : {a, b}) see(s);
+    }
+  };
+  each(
+      [&](Slot s) { several = (std::exchange(touching_[s], std::uint8_t{1}) != 0 && world.is_movable(s)) || several; });
+  each([&](Slot s) { touching_[s] = 0; });
+  return several;
 }
 
 void Seams::list_groups(const World& world, const ContactSet& contacts) {

@@ -115,6 +115,7 @@ class Seams {
     double above(const Vec3& place) const { return side.normal.dot(place - piece.pose.position) - side.offset; }
   };
 
+  bool touch_several(const World& world, const ContactSet& contacts);
   void list_groups(const World& world, const ContactSet& contacts);
   void find_level(const World& world, const ContactSet& contacts);
   void add_points(const ContactSet& contacts, const Group& group, Slot body);
@@ -163,6 +164,7 @@ class Seams {
   std::vector<std::uint8_t> flat_;          ///< by slot: has flat faces
   std::vector<std::uint8_t> convex_;        ///< by slot: lies behind each of its contact planes
   std::vector<std::uint8_t> parts_;         ///< by slot: has several convex parts
+  std::vector<std::uint8_t> touching_;      ///< by slot: has been seen in the contacts; 0 between steps
   std::vector<double> radius_;              ///< by slot: of the bounding sphere [m]
   std::vector<double> thin_;                ///< by slot: half the least width of the box around it [m]
   std::vector<double> deepest_;             ///< by slot: overlap of the contacts of free bodies [m]

@@ -48,13 +48,17 @@ EPAFI_LANES Velocity damper_force(const DamperStep<Real>& step, const Real& dash
   return of_late * v_late + of_middle * v_middle;
 }
 
-/// c ~ overlap^growth in a step of dt, such that impacts keep their restitution: with c itself the scheme damps more
-/// than the law does, by (2 - 4/3 growth) (c dt/(2 m*))^2 of the exponent ln e (fitted to impacts by `linear`, `hertz`
-/// and `hunt-crossley` of 10 to 25 steps, e from 0.05).
+/// c over what acts of c ~ overlap^growth in a step of dt, such that impacts keep their restitution: with c itself the
+/// scheme damps more than the law does, by (2 - 4/3 growth) (c dt/(2 m*))^2 of the exponent ln e (fitted to impacts by
+/// `linear`, `hertz` and `hunt-crossley` of 10 to 25 steps, e from 0.05).
+template <class Real>
+EPAFI_LANES Real damper_excess(const Real& half_mobility, const Real& dashpot, const Real& growth) {
+  const Real share = half_mobility * dashpot;
+  return 1.0 + max(2.0 - 4.0 / 3.0 * growth, Real{}) * share * share;
+}
 template <class Real>
 EPAFI_LANES Real damper_in_step(const Real& half_mobility, const Real& dashpot, const Real& growth) {
-  const Real share = half_mobility * dashpot;
-  return dashpot / (1.0 + max(2.0 - 4.0 / 3.0 * growth, Real{}) * share * share);
+  return dashpot / damper_excess<Real>(half_mobility, dashpot, growth);
 }
 
 /// 1 where a contact has begun between the last step and this one, else 0. moved: growth of the overlap in the step
@@ -96,7 +100,7 @@ template <class Real>
 EPAFI_LANES DashpotBefore<Real> dashpot_before(const Real& overlap, const Real& moved, const Real& growth) {
   const Real half = 0.5 * moved, turned = growth * half;
   const Real part = max(Real{}, overlap - half - turned), whole = max(overlap - half + turned, 0.5 * overlap);
-  return {select(overlap > moved, part, Real{}), whole, Real{}};
+  return {if_less(moved, overlap, part, Real{}), whole, Real{}};
 }
 
 /// A contact now, for the energy balance.

@@ -54,7 +54,12 @@ void reduce(std::vector<MeshPoint>& points, double size, double flatness, bool s
       return o.feature == p.feature ||
              (is_parallel(o.normal, p.normal) && (o.position - p.position).squaredNorm() <= same * same * size * size);
     };
-    if (std::none_of(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(kept), one)) points[kept++] = p;
+    const auto last = points.begin() + static_cast<std::ptrdiff_t>(kept);
+    const auto known = std::find_if(points.begin(), last, one);
+    if (known == last)
+      points[kept++] = p;
+    else
+      known->gap = std::min(known->gap, p.gap);  // of a corner and the deepest point beside it
   }
   points.erase(points.begin() + static_cast<std::ptrdiff_t>(kept), points.end());
   if (kept <= 4) return;

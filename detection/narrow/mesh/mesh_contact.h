@@ -47,7 +47,7 @@ struct OverTriangle {
   /// Lower bound of the squared distance [m^2], up to rounding.
   double least_square() const { return height * height + (beyond > 0.0 ? beyond * beyond : 0.0); }
 };
-inline OverTriangle over_triangle(const TriangleMesh& mesh, std::uint32_t t, const Vec3& x) {
+[[gnu::always_inline]] inline OverTriangle over_triangle(const TriangleMesh& mesh, std::uint32_t t, const Vec3& x) {
   const Triangle& corner = mesh.triangles[t];
   const auto& inward = mesh.inward[t];
   // differences first, for accuracy far from the origin

@@ -32,7 +32,7 @@ void side_along(const MeshGuest& body, const Vec3& d, std::vector<SidePoint>& ou
     for (std::uint32_t k = p.face_begin[face]; k < p.face_begin[face + 1]; ++k)
       out.push_back({p.vertices[p.face_vertices[k]], p.face_vertices[k], 0});
   } else if (body.facing) {
-    const FlatSide side = body.facing(body.shape, d);
+    const FlatSide side = leaning_side(body.shape, body.facing, d);
     for (std::uint32_t k = 0; k < static_cast<std::uint32_t>(side.count); ++k) out.push_back({side.corner[k], k, 0});
   }
 }
@@ -69,7 +69,7 @@ class ConvexOnMesh {
     beyond_.clear();
     if (!find_near(triangles)) return;
     if (all_plain(mesh, triangles_))
-      on_face(triangles_.front(), normal_towards(mesh, triangles_.front(), pose.position), Face::plain);
+      on_plain_face(mesh.face[triangles_.front()]);
     else
       meet_regions();
     if (out_.empty() && !beyond_.empty()) out_.push_back(*std::ranges::min_element(beyond_, {}, &MeshPoint::gap));
@@ -82,16 +82,16 @@ class ConvexOnMesh {
   }
 
  private:
-  /// Finds the triangles that the body is near to, of a plane the first one, and takes them in place of the candidates;
-  /// with their neighbours where the surface bends: the way out may lean on a face beyond a blunt edge. False: none is.
+  /// Finds the triangles that the body is near to, in place of the candidates, with their neighbours where the surface
+  /// bends: the way out may lean on a face beyond a blunt edge. False: none is. Of a plane any one will do: its closed
+  /// form tells whether the body is near.
   bool find_near(std::span<const std::uint32_t> candidates) {
-    const bool plain = all_plain(*mesh_, candidates);
-    near_.clear();
-    for (const std::uint32_t t : candidates) {
-      if (!is_near(b_, t)) continue;
-      near_.push_back(t);
-      if (plain) break;
+    if (all_plain(*mesh_, candidates)) {
+      triangles_.assign(candidates.begin(), candidates.end());
+      return !candidates.empty();
     }
+    near_.clear();
+    std::ranges::copy_if(candidates, std::back_inserter(near_), [&](std::uint32_t t) { return is_near(b_, t); });
     triangles_ = near_;
     if (all_plain(*mesh_, near_)) return !near_.empty();
     for (const std::uint32_t t : near_)
@@ -101,6 +101,9 @@ class ConvexOnMesh {
     triangles_.erase(std::unique(triangles_.begin(), triangles_.end()), triangles_.end());
     return true;
   }
+
+  /// face: the same triangle whichever is near, for the same bits.
+  void on_plain_face(std::uint32_t face) { on_face(face, normal_towards(*mesh_, face, b_.pose.position), Face::plain); }
 
   void meet_regions() {
     find_sides(*mesh_, triangles_, b_.pose.position, fronts_);
@@ -141,6 +144,7 @@ class ConvexOnMesh {
     }
     if (bent && !leans) {
       on_edge(way);
+      on_face_beside(way, before);
     } else {
       on_face(best.triangle, best.normal, leans ? Face::leaning : Face::bent);
       if (leans && out_.size() == before) {  // all ways out may lean on others: edges that end in a notch
@@ -281,25 +285,60 @@ class ConvexOnMesh {
       else if (!is_over(t, x) && goes_on(t, n, x))
         beyond_.push_back(p);
     }
-    if (out_.size() == before + on_plane_.size()) return;
+    if (kind == Face::plain) return;
     place(side_along, n, side_);
+    const auto is_beside = [&](const SidePoint& p) { return !is_over(t, p.x); };
+    if (out_.size() == before + on_plane_.size() && std::ranges::none_of(side_, is_beside)) return;
     if (side_.size() < 2) return;
     out_.resize(before);
-    place(corners_along, n, corners_);
+    lay_side(t, {n, n, point, -infinity, 1.0}, kind);
+  }
+  /// A plane, the direction along which gaps from it count, and the least of them.
+  struct Slope {
+    Vec3 plane, along, point;
+    double least;
+    double cosine = plane.dot(along);
+
+    double height(const Vec3& x) const { return plane.dot(x - point) / cosine; }
+    Vec3 foot(const Vec3& x) const { return x - height(x) * along; }
+  };
+  /// What the body turns along a way out over the face of t, and where that is cut at its rim.
+  void lay_side(std::uint32_t t, const Slope& slope, Face kind) {
+    place(corners_along, slope.along, corners_);
     for (const SidePoint& p : corners_)
-      if (is_over(t, p.x) && came_through(t, n, p.x)) add(t, n, point, p);
+      if (is_over(t, slope.foot(p.x)) && came_through(t, slope.plane, p.x)) add(t, slope, p);
     for (const std::uint32_t member : region_.triangles) {
       if (mesh_->face[member] != mesh_->face[t]) continue;
       corners_ = side_;
       const Triangle& corner = mesh_->triangles[member];
-      clip_side([&](std::uint32_t k) -> const Vec3& { return mesh_->vertices[corner[k]]; }, 3, mesh_->normals[member],
-                b_.tolerance, corners_);
+      const Vec3 up = mesh_->normals[member].dot(slope.along) < 0.0 ? Vec3(-slope.along) : slope.along;
+      clip_side([&](std::uint32_t k) -> const Vec3& { return mesh_->vertices[corner[k]]; }, 3, up, b_.tolerance,
+                corners_);
       for (const SidePoint& p : corners_) {
-        const Cut cut = p.cut == 0 ? Cut::inside : cut_at(member, p.x);
+        const Cut cut = p.cut == 0 ? Cut::inside : cut_at(member, slope.foot(p.x));
         if (cut == Cut::inside) continue;
-        if ((cut == Cut::rim && kind == Face::bent) || came_through(member, n, p.x)) add(member, n, point, p);
+        if ((cut == Cut::rim && kind == Face::bent) || came_through(member, slope.plane, p.x)) add(member, slope, p);
       }
     }
+  }
+  /// Over an edge or corner of the region a flat side that leans on the face beside it touches there too, or all its
+  /// points would come at once, and deep, when it lies (core_patch.h, of a polyhedron). The points of the edge remain
+  /// where none of these is as deep.
+  void on_face_beside(const WayOut& way, std::size_t before) {
+    constexpr double leaning = 0.9;  // cosine: as far as sides do
+    const auto cosine = [&](const RegionPlane& p) { return p.normal.dot(way.normal); };
+    const RegionPlane& face = *std::ranges::max_element(region_.planes, {}, cosine);
+    place(side_along, way.normal, side_);
+    if (side_.size() < 2 || !(cosine(face) > leaning)) return;
+    const auto edge_end = static_cast<std::ptrdiff_t>(out_.size());
+    const double gap = way.gap - b_.sweep;
+    lay_side(face.triangle, {face.normal, way.normal, face.point, gap}, Face::bent);
+    const auto laid = std::ranges::subrange(out_.begin() + edge_end, out_.end());
+    if (laid.empty()) return;
+    const double least = std::ranges::min_element(laid, {}, &MeshPoint::gap)->gap;
+    if (least > gap + std::max(b_.tolerance, -0.1 * gap)) return;  // as keep_with_nearest
+    for (MeshPoint& p : laid) p.gap += gap - least;
+    out_.erase(out_.begin() + static_cast<std::ptrdiff_t>(before), out_.begin() + edge_end);
   }
   /// Where a side of the body was cut: inside the face (no corner of what they share), at its rim, at a concave edge.
   enum class Cut { inside, rim, concave };
@@ -321,9 +360,10 @@ class ConvexOnMesh {
     along(*guest_, -(b_.turn.transpose() * n), out);
     for (SidePoint& p : out) p.x = b_.pose.position + b_.turn * p.x;
   }
-  void add(std::uint32_t t, const Vec3& n, const Vec3& point, const SidePoint& p) {
-    const double gap = n.dot(p.x - point) - b_.sweep;
+  void add(std::uint32_t t, const Slope& slope, const SidePoint& p) {
+    const double gap = std::max(slope.least, slope.height(p.x) - b_.sweep);
     if (!(gap < b_.reach)) return;
+    const Vec3& n = slope.along;
     const bool corner = p.cut == 0;
     const Feature name = make_feature(corner ? FeatureKind::vertex_a : FeatureKind::edges, p.corner, 0);
     out_.push_back(

@@ -45,6 +45,8 @@ void collide_triangles(const S& a, const TriangleMesh& b, std::span<const std::u
   PolyhedronView view;
   if constexpr (PolyhedralShape<S>) guest.polyhedron = &(view = a.view());
   if constexpr (HasFlatSides<S>) guest.facing = facing_of<S>;
+  if constexpr (RestsFlat<S>)
+    if (q.reach > 0.0) guest.facing = resting_side_of<S>;
   collide_guest(guest, b, triangles, q, sink);
 }
 

@@ -7,6 +7,7 @@
 #include "detection/narrow/pairs/core_patch.h"
 #include "detection/narrow/pairs/pair_query.h"
 #include "detection/narrow/pairs/pair_radius.h"
+#include "detection/narrow/pairs/resting_side.h"
 #include "detection/narrow/polyhedra/manifold.h"
 
 namespace epafi {
@@ -149,6 +150,12 @@ template <ConvexShape A, ConvexShape B>
 void collide(const A& a, const B& b, const PairQuery& q, ContactSink& sink) {
   if (still_apart(a, b, q)) return leave_rest(q);
   const RoundedPair rounded = rounded_pair(a, b);
+  if constexpr (PolyhedralShape<A> && RestsFlat<B>)
+    if (q.reach > 0.0)
+      return collide_flat_core(CorePair::of(a, b), {a.view(), &b, resting_side_of<B>, true}, rounded, q, sink);
+  if constexpr (RestsFlat<A> && PolyhedralShape<B>)
+    if (q.reach > 0.0)
+      return collide_flat_core(CorePair::of(a, b), {b.view(), &a, resting_side_of<A>, false}, rounded, q, sink);
   if constexpr (PolyhedralShape<A> && PolyhedralShape<B>) {
     collide_polyhedra(a.view(), b.view(), rounded, q, sink);
   } else if constexpr (PolyhedralShape<A> && HasFlatSides<B>) {

@@ -10,14 +10,6 @@ namespace {
 
 constexpr std::size_t round_end = 8;  // corners of a cylinder's end
 
-/// As the shape says, and an end or side that leans by up to 26 degrees: soft bodies are deep with all of its points.
-FlatSide facing_side(const CoreAndPolyhedron& pair, const Vec3& direction) {
-  FlatSide side = pair.facing(pair.shape, direction);
-  if (side.count == 0) side = pair.facing(pair.shape, direction.cwiseProduct(Vec3(0.1, 0.1, 1.0)));
-  if (side.count == 0) side = pair.facing(pair.shape, direction.cwiseProduct(Vec3(1.0, 1.0, 0.1)));
-  return side;
-}
-
 /// The points of a round end follow the lowest one, against `m`, so that their springs have a potential. Upright to
 /// within rounding they are fixed in the body.
 void turn_round_end(const Vec3& m, std::vector<SidePoint>& side) {
@@ -77,7 +69,7 @@ Feature name_point(const PolyhedronView& p, std::uint32_t face, const SidePoint&
 Patch on_edge(const CoreAndPolyhedron& pair, const NearestPoint& nearest, double reach, double sweep_polyhedron,
               double sweep_core) {
   FlatPair sides{edge_along(pair.polyhedron, nearest.normal), {}, pair.size, sweep_polyhedron, sweep_core};
-  if (sides.a.count > 0) sides.b = facing_side(pair, -(pair.rotation.transpose() * nearest.normal));
+  if (sides.a.count > 0) sides.b = leaning_side(pair.shape, pair.facing, -(pair.rotation.transpose() * nearest.normal));
   for (int k = 0; k < sides.b.count; ++k) {
     Vec3& x = sides.b.corner[static_cast<std::size_t>(k)];
     x = pair.rotation * x + pair.offset;
@@ -86,6 +78,13 @@ Patch on_edge(const CoreAndPolyhedron& pair, const NearestPoint& nearest, double
 }
 
 }  // namespace
+
+FlatSide leaning_side(const void* shape, FlatSide (*facing)(const void* shape, const Vec3& d), const Vec3& d) {
+  FlatSide side = facing(shape, d);
+  if (side.count == 0) side = facing(shape, d.cwiseProduct(Vec3(0.1, 0.1, 1.0)));
+  if (side.count == 0) side = facing(shape, d.cwiseProduct(Vec3(1.0, 1.0, 0.1)));
+  return side;
+}
 
 std::uint32_t face_along(const PolyhedronView& p, const Vec3& n) {
   const std::uint32_t v = ConvexHull::support_vertex(p, n);
@@ -107,7 +106,7 @@ Patch core_patch(const CoreAndPolyhedron& pair, const NearestPoint& nearest, dou
   const Vec3& m = p.face_normals[face];
   if (!(m.cross(n).squaredNorm() < facing_sine * facing_sine))
     return on_edge(pair, nearest, reach, sweep_polyhedron, sweep_core);
-  const FlatSide flat = facing_side(pair, -(pair.rotation.transpose() * n));
+  const FlatSide flat = leaning_side(pair.shape, pair.facing, -(pair.rotation.transpose() * n));
   for (int k = 0; k < flat.count; ++k)
     side.push_back(
         {pair.rotation * flat.corner[static_cast<std::size_t>(k)] + pair.offset, static_cast<std::uint32_t>(k), 0});

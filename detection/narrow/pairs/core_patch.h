@@ -17,6 +17,9 @@ struct CoreAndPolyhedron {
   double size;  ///< of the smaller body [m]
 };
 
+/// As the shape says, and an end or side that leans by up to 26 degrees: soft bodies are deep with all of its points.
+FlatSide leaning_side(const void* shape, FlatSide (*facing)(const void* shape, const Vec3& d), const Vec3& d);
+
 /// Of the faces around the vertex farthest along n the one that looks most along n.
 std::uint32_t face_along(const PolyhedronView& p, const Vec3& n);
 

@@ -2,6 +2,7 @@
 #pragma once
 #include "detection/narrow/pairs/convex_pairs.h"
 #include "detection/narrow/pairs/hertz_radius.h"
+#include "detection/narrow/pairs/resting_side.h"
 #include "detection/narrow/polyhedra/manifold.h"
 #include "detection/shapes/half_space.h"
 
@@ -29,7 +30,12 @@ requires(!PolyhedralShape<S>) void collide_closed(const S& a, const HalfSpace& b
   double radius = contact_radius(a);
   if constexpr (RoundShape<S>)
     if (q.curvature) radius = hertz_radius_on_plane(RoundRef::to(a), a.rounding(), towards);
-  sink.add({gap, -outward, deepest - (a.rounding() + 0.5 * gap) * outward, radius, 0});
+  const Vec3 point = deepest - (a.rounding() + 0.5 * gap) * outward;
+  if constexpr (RestsFlat<S>)
+    if (q.reach > 0.0)
+      return rest_on_plane(leaning_side(&a, resting_side_of<S>, towards), {point, -outward, gap},
+                           outward.dot(q.a.position - q.b.position), a.bounding_radius(), radius, q, sink);
+  sink.add({gap, -outward, point, radius, 0});
 }
 
 }  // namespace epafi
