@@ -1,5 +1,6 @@
 #include "detection/narrow/seams.h"
 
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -7,7 +8,7 @@ namespace epafi {
 
 namespace {
 
-constexpr std::size_t most_of_free = 64;     // all pairs of them are looked at
+constexpr std::size_t most_of_free = 64;     // a bit each; all pairs of them are looked at
 constexpr double level_cosine = 1.0 - 5e-9;  // stones that settle turn by 1e-6, a joint of 1e-4 stops nothing
 constexpr double most_pressed = 0.1;         // of half the least width: deeper, free bodies are in each other
 constexpr double leaning = 0.01;             // of the body's radius: far more than what counts as level
@@ -150,73 +151,75 @@ void Seams::list_groups(const World& world, const ContactSet& contacts) {
       f(groups_[k].b, k);
     }
   });
-  if (joins_) find_level(world, contacts);
+  if (joins_) find_beside(world, contacts);
 }
 
 void Seams::Points::clear() {
   for (auto* column : {&x, &y, &z, &more}) column->clear();
+  bit.clear();
 }
 
-void Seams::Points::add(const Vec3& at, double higher) {
+void Seams::Points::add(const Vec3& at, double higher, std::uint64_t of_group) {
   x.push_back(at.x());
   y.push_back(at.y());
   z.push_back(at.z());
   more.push_back(higher);
+  bit.push_back(of_group);
 }
 
-std::size_t Seams::Points::count_below(const Vec3& normal, double top) const {
-  double count = 0.0;  // in lanes
-#pragma omp simd reduction(+ : count)
+std::uint64_t Seams::Points::groups_below(const Vec3& normal, double top) const {
+  std::uint64_t groups = 0;
+#pragma omp simd reduction(| : groups)
   for (std::size_t i = 0; i < x.size(); ++i)
-    count += normal.x() * x[i] + normal.y() * y[i] + normal.z() * z[i] - more[i] <= top ? 1.0 : 0.0;
-  return static_cast<std::size_t>(count);
+    groups |= normal.x() * x[i] + normal.y() * y[i] + normal.z() * z[i] - more[i] <= top ? bit[i] : 0;
+  return groups;
 }
 
 /// A convex wall extends above the plane of its contact by no more than the level tolerance, and so do its seams with
-/// other walls. This test excludes most bodies of a pile.
-void Seams::find_level(const World& world, const ContactSet& contacts) {
-  level_.entries.clear();
-  level_.begin.assign(world.size() + 1, 0);
+/// other walls. This test excludes most pairs of contacts in a pile.
+void Seams::find_beside(const World& world, const ContactSet& contacts) {
   for (Slot body = 0; body < world.size(); ++body) {
     const auto groups = of_body_.at(body);
-    level_.begin[body] = static_cast<std::uint32_t>(level_.entries.size());
-    if (groups.size() < 2 || !world.is_movable(body)) continue;
-    const bool many = groups.size() > most_of_free;
+    if (groups.size() < 2 || groups.size() > most_of_free || !world.is_movable(body)) continue;
+    const std::uint64_t all = ~std::uint64_t{0} >> (most_of_free - groups.size());
     points_.clear();
-    if (!many)
-      for (const std::uint32_t k : groups) add_points(contacts, groups_[k], body);
-    for (const std::uint32_t k : groups)
-      if (many || is_level(contacts, groups_[k], body)) level_.entries.push_back(k);
+    for (std::size_t k = 0; k < groups.size(); ++k) add_points(contacts, groups_[groups[k]], body, 1ull << k);
+    for (std::size_t k = 0; k < groups.size(); ++k) {
+      const std::uint64_t below = groups_below(contacts, groups_[groups[k]], body) & all & ~(1ull << k);
+      for (std::uint64_t rest = below; rest != 0; rest &= rest - 1) {
+        Group& with = groups_[groups[static_cast<std::size_t>(std::countr_zero(rest))]];
+        with.beside[with.a == body ? 1 : 0] |= 1ull << k;
+      }
+    }
   }
-  level_.begin.back() = static_cast<std::uint32_t>(level_.entries.size());
 }
 
-void Seams::add_points(const ContactSet& contacts, const Group& group, Slot body) {
+void Seams::add_points(const ContactSet& contacts, const Group& group, Slot body, std::uint64_t bit) {
   const bool wall_is_b = group.a == body;
   const Slot wall = group.of(wall_is_b);
   if (flat_[wall] == 0) return;
   const Vec3 centre = wall_is_b ? Vec3(Vec3::Zero()) : group.branch;
   const double more = deepest_[wall] + 2.0 * group.depth;
   for (std::size_t i = group.begin; i < group.end; ++i)
-    points_.add(contacts.arm[i] - centre, more + std::max(0.0, contacts.gap[i]));
+    points_.add(contacts.arm[i] - centre, more + std::max(0.0, contacts.gap[i]), bit);
 }
 
-/// Points of the body's contacts with other walls are not above the plane of this one.
-bool Seams::is_level(const ContactSet& contacts, const Group& group, Slot body) const {
+/// Those of the body's contacts that are not above the plane of this wall, by bits.
+std::uint64_t Seams::groups_below(const ContactSet& contacts, const Group& group, Slot body) const {
+  constexpr std::uint64_t none = 0;
   const bool wall_is_b = group.a == body;
   const Slot wall = group.of(wall_is_b);
-  if (flat_[wall] == 0) return false;
-  if (convex_[wall] == 0) return true;
+  if (flat_[wall] == 0) return none;
+  if (convex_[wall] == 0) return ~none;
   const Vec3& normal = contacts.normal[group.begin];
   const Vec3 out = wall_is_b ? Vec3(-normal) : normal;
   double top = -infinity;
   for (std::size_t i = group.begin; i < group.end; ++i) {
-    if (!same_direction(contacts.normal[i], normal)) return true;
+    if (!same_direction(contacts.normal[i], normal)) return ~none;
     top = std::max(top, out.dot(contacts.arm[i]));
   }
   if (!wall_is_b) top -= out.dot(group.branch);
-  top += deepest_[wall] + 2.0 * group.depth + leaning * radius_[body];
-  return points_.count_below(out, top) > group.end - group.begin;
+  return points_.groups_below(out, top + deepest_[wall] + 2.0 * group.depth + leaning * radius_[body]);
 }
 
 /// The contacts of two bodies, either of which may be a wall to the other.
@@ -268,11 +271,15 @@ bool Seams::has_other_near(const Candidate& c) const {
 /// Neighbours are found from the body's other contacts. For a body that touches many, such as a floor, free ones are
 /// not joined.
 void Seams::list_others(const World& world, const ContactSet& contacts, const Group& group, bool wall_is_b) {
-  const Slot wall = group.of(wall_is_b), body = group.of(!wall_is_b);
-  const auto level = level_.at(body);
-  if (level.empty() || (world.is_movable(wall) && of_body_.at(body).size() > most_of_free)) return;
-  for (const std::uint32_t k : level)
-    if (&groups_[k] != &group) add_other(world, contacts, group, wall_is_b, groups_[k]);
+  const Slot body = group.of(!wall_is_b);
+  const auto groups = of_body_.at(body);
+  const auto add = [&](std::size_t k) {
+    if (&groups_[groups[k]] != &group) add_other(world, contacts, group, wall_is_b, groups_[groups[k]]);
+  };
+  for (std::uint64_t rest = group.beside[wall_is_b ? 1 : 0]; rest != 0; rest &= rest - 1)
+    add(static_cast<std::size_t>(std::countr_zero(rest)));
+  if (groups.size() <= most_of_free || world.is_movable(group.of(wall_is_b)) || !world.is_movable(body)) return;
+  for (std::size_t k = 0; k < groups.size(); ++k) add(k);
 }
 
 /// Walls that touch, and are at rest relative to each other if one is free: slower than a tenth of the body's speed or

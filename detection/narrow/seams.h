@@ -53,6 +53,8 @@ class Seams {
     Slot a, b;
     Vec3 branch;         ///< from a to b, which may be an image [m]
     double depth = 0.0;  ///< of the deepest [m]
+    /// Of a (0) or b (1) as the wall: by bits, which groups of the other body may be with neighbours of the wall.
+    std::uint64_t beside[2] = {0, 0};
     Slot of(bool is_b) const { return is_b ? b : a; }
   };
   /// Numbers by slot.
@@ -72,13 +74,15 @@ class Seams {
       begin.front() = 0;
     }
   };
-  /// Contact points of one body with flat walls, from its centre, and the height by which a neighbour of each may be
-  /// higher. Columns, since all bodies are tested in each step and few in a pile have level neighbours.
+  /// Contact points of one body with flat walls, from its centre, the height by which a neighbour of each may be
+  /// higher, and the bit of its group. Columns, since all bodies are tested in each step and few in a pile have level
+  /// neighbours.
   struct Points {
     std::vector<double> x, y, z, more;
+    std::vector<std::uint64_t> bit;
     void clear();
-    void add(const Vec3& at, double higher);
-    std::size_t count_below(const Vec3& normal, double top) const;
+    void add(const Vec3& at, double higher, std::uint64_t of_group);
+    std::uint64_t groups_below(const Vec3& normal, double top) const;
   };
   /// A contact that a neighbour, or another part of the same solid, may hide.
   struct Candidate {
@@ -117,9 +121,9 @@ class Seams {
 
   bool touch_several(const World& world, const ContactSet& contacts);
   void list_groups(const World& world, const ContactSet& contacts);
-  void find_level(const World& world, const ContactSet& contacts);
-  void add_points(const ContactSet& contacts, const Group& group, Slot body);
-  bool is_level(const ContactSet& contacts, const Group& group, Slot body) const;
+  void find_beside(const World& world, const ContactSet& contacts);
+  void add_points(const ContactSet& contacts, const Group& group, Slot body, std::uint64_t bit);
+  std::uint64_t groups_below(const ContactSet& contacts, const Group& group, Slot body) const;
   void consider(const World& world, const ContactSet& contacts, const Group& group);
   bool may_be_near(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b,
                    std::span<const Other> others) const;
@@ -169,7 +173,6 @@ class Seams {
   std::vector<double> thin_;                ///< by slot: half the least width of the box around it [m]
   std::vector<double> deepest_;             ///< by slot: overlap of the contacts of free bodies [m]
   Lists of_body_;                           ///< places in groups_
-  Lists level_;                             ///< of_body_, of those that may have level neighbours
   Points points_;                           ///< of one body
   std::vector<Group> groups_;               ///< with a body of flat faces, in the order of the contacts
   std::vector<Candidate> candidates_;       ///< in the order of the contacts
