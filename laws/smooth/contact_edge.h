@@ -41,12 +41,18 @@ concept PowerParts = requires(const typename L::Parameters& p) {
   { L::elastic_power(p) } -> std::same_as<double>;
 };
 
+/// The step may be the first or last of a contact. Of damped ones the end is a few steps long.
+inline bool may_be_edge(double overlap, double approach_velocity, double dt) {
+  const double h = std::abs(approach_velocity) * dt;
+  return h > 0.0 && overlap <= 8.0 * h;
+}
+
 /// The response at a step, weighed where it is the first or last of the contact. `plain`: what the law says at c.
 template <PowerParts L>
 NormalResponse weigh_edge(const typename L::Parameters& p, const ContactKinematics& c, double dt,
                           const NormalResponse& plain) {
-  const double speed = std::abs(c.approach_velocity), h = speed * dt;
-  if (!(h > 0.0) || c.overlap > 8.0 * h) return plain;
+  if (!may_be_edge(c.overlap, c.approach_velocity, dt)) return plain;
+  const double h = std::abs(c.approach_velocity) * dt;
   const double n = L::elastic_power(p), q = plain.growth, V = c.viscous(plain.dashpot, plain.stiffness);
   NormalResponse out = plain;
   // while leaving, a damped force ends above delta = 0: linearly, with slope (n E + q V)/delta

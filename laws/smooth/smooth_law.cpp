@@ -9,7 +9,8 @@ Passes SmoothLaw::passes() const {
   Passes out;
   out.law = this;
   out.one = evaluation.one;
-  out.normal = evaluation.tile != nullptr && !locates ? evaluation.tile : pointwise_normal();
+  out.lanes = evaluation.tile;
+  out.normal = out.lanes != nullptr && !locates ? out.lanes : pointwise_normal();
   out.needs = needs;
   if (needs.friction) out.tangential = friction.is_spring ? coulomb_pass() : pointwise_friction();
   if (needs.damps_slip()) out.rolling = rolling_pass();

@@ -1,7 +1,7 @@
 #include "engine/lanes/targets.h"
 #include "laws/smooth/passes/tile_passes.h"
 
-// Parts that have no lanes (laws of outside, rows of bristles) and located edges: contact by contact.
+// Parts that have no lanes (laws of outside, rows of bristles) and contacts at located edges: one by one.
 
 namespace epafi {
 
@@ -13,7 +13,10 @@ struct PointwiseNormal {
   template <int n>
   EPAFI_LANES void run() const {
     auto& t = *static_cast<ContactTile<n>*>(call.tile);
-    for (std::size_t k = 0; k < t.groups * n; ++k) one<n>(t, k);
+    const auto lanes = call.passes->lanes;
+    if (lanes != nullptr) lanes(call);
+    for (std::size_t k = 0; k < t.groups * n; ++k)
+      if (lanes == nullptr || may_be_edge(t.overlap[k], t.group[k / n].approach[k % n], call.dt)) one<n>(t, k);
   }
 
  private:

@@ -13,6 +13,7 @@ namespace epafi {
 /// The parts of a law as functions over tiles, for the widest lanes of now.
 struct Passes {
   void (*normal)(const NormalCall&) = nullptr;
+  void (*lanes)(const NormalCall&) = nullptr;           ///< the same without located edges; null: contact by contact
   void (*tangential)(const TangentialCall&) = nullptr;  ///< null: no friction
   void (*rolling)(const RollingCall&) = nullptr;        ///< null: neither rolling friction nor dashpots
   const SmoothLaw* law = nullptr;
