@@ -9,7 +9,8 @@
 namespace epafi {
 namespace {
 
-/// Moves corners where some face is not plane to rounding. Normals stay those of the triangles where all are.
+/// Moves corners where some face is not plane to rounding, and notes how far they remain off. Normals stay those of the
+/// triangles where all are.
 void flatten(JoinedSurface& joined, const FaceFinder& faces, double rounding) {
   TriangleSurface& s = joined.surface;
   const CornerMoves moves = move_into_planes(s, faces, rounding);
@@ -19,6 +20,11 @@ void flatten(JoinedSurface& joined, const FaceFinder& faces, double rounding) {
     const std::uint32_t f = faces.face[t];
     const bool own = moves.is_exact || faces.size[f] < 2;
     joined.normals.push_back(own ? plane_of(s, s.triangles[t]).normal : faces.planes[f].normal);
+    if (own) continue;
+    for (const std::uint32_t v : s.triangles[t]) {
+      const double off = std::abs(faces.planes[f].height(s.vertices[v]));
+      if (off > rounding) joined.report.unevenness = std::max(joined.report.unevenness, 4.0 * off);
+    }
   }
 }
 

@@ -2,7 +2,8 @@
 /// duplicate triangles and slivers, splits triangles at corners of others on their sides, flips them to agree with
 /// their neighbours, and groups them to faces. A face is plane within the rounding of the file; its corners are moved
 /// into the planes of all faces that meet there. Coordinates that are exact to rounding do not change by a bit. Limits:
-/// where more than three nearly parallel faces meet, a corner may remain off their planes by the tolerance.
+/// where more than three faces meet, a corner may remain off their planes by the file's rounding; contacts that close
+/// to each other are one (JoinReport::unevenness).
 #pragma once
 #include <string>
 
@@ -21,6 +22,7 @@ struct JoinReport {
   std::size_t flipped = 0;     ///< triangles flipped to agree with their neighbours
   std::size_t moved = 0;       ///< corners moved into the planes of their faces
   double move_distance = 0.0;  ///< the farthest of these moves [m]
+  double unevenness = 0.0;     ///< four times how far corners remain off the planes of their faces; 0: none does [m]
   std::size_t faces = 0;
 
   /// Summary of the corrections with the largest distances; "" if there were none.

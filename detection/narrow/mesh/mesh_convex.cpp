@@ -63,7 +63,10 @@ class ConvexOnMesh {
     sink_ = &sink;
     const Pose pose{q.b.to_local(q.a.position), q.b.orientation.conjugate() * q.a.orientation};
     const double size = guest.core.radius + guest.sweep;
-    b_ = {guest.core, guest.sweep, pose, pose.orientation.toRotationMatrix(), q.reach, on_surface * size, &mesh};
+    b_ = {guest.core, guest.sweep,
+          pose,       pose.orientation.toRotationMatrix(),
+          q.reach,    std::max(on_surface * size, mesh.joined.unevenness),
+          &mesh};
     springs_ = !(q.reach > 0.0);
     out_.clear();
     beyond_.clear();

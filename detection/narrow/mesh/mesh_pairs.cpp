@@ -24,7 +24,7 @@ class BallOnMesh {
         centre_(centre),
         radius_(radius),
         limit_(radius + reach),
-        tolerance_(on_triangle * radius),
+        tolerance_(std::max(on_triangle * radius, mesh.joined.unevenness)),
         springs_(!(reach > 0.0)) {}
 
   /// Its contacts as f(touch, feature).
@@ -77,8 +77,9 @@ class BallOnMesh {
     for (std::size_t k = i + 1; k < touches_.size(); ++k) {
       Touch wall = touches_[k];
       const auto is_beside = [&](const Vec3& n) { return n.dot(wall.normal) > one_spot; };
-      if (mesh_.face[wall.triangle] == mesh_.face[out.triangle] ||
-          smooth_around(mesh_, wall.triangle, springs_) != smooth_around(mesh_, out.triangle, springs_) ||
+      const bool of_face = mesh_.face[wall.triangle] == mesh_.face[out.triangle];
+      if (of_face && is_over_face(wall) && is_over_face(out)) touches_[k].left_out = true;
+      if (of_face || smooth_around(mesh_, wall.triangle, springs_) != smooth_around(mesh_, out.triangle, springs_) ||
           std::ranges::none_of(spot_, is_beside))
         continue;
       spot_.push_back(wall.normal);
@@ -97,6 +98,7 @@ class BallOnMesh {
     out.normal = place.normalized();
     return out;
   }
+  static bool is_over_face(const Touch& touch) { return touch.nearest.part == TrianglePart::face; }
   /// True if its nearest point is on or behind a triangle that is as close or closer: a plate thinner than the overlap
   /// is one wall.
   bool is_covered(std::size_t i) const {
