@@ -117,16 +117,17 @@ void Seams::hide(const World& world, ContactSet& contacts) {
 /// visits all bodies.
 bool Seams::touch_several(const World& world, const ContactSet& contacts) {
   bool several = false;
-  const auto each = [&](const auto& see) {
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
-      const Slot a = contacts.a[i], b = contacts.b[i];
-      if ((flat_[a] != 0 || flat_[b] != 0) && (i == 0 || !same_group(contacts, i - 1, i)))
-        for (const Slot s : {a, b}) see(s);
-    }
+  std::size_t seen = 0;
+  const auto each = [&](std::size_t i, const auto& see) {
+    const Slot a = contacts.a[i], b = contacts.b[i];
+    if ((flat_[a] != 0 || flat_[b] != 0) && (i == 0 || !same_group(contacts, i - 1, i)))
+      for (const Slot s : {a, b}) see(s);
   };
-  each(
-      [&](Slot s) { several = (std::exchange(touching_[s], std::uint8_t{1}) != 0 && world.is_movable(s)) || several; });
-  each([&](Slot s) { touching_[s] = 0; });
+  for (; seen < contacts.size() && !several; ++seen)
+    each(seen, [&](Slot s) {
+      several = (std::exchange(touching_[s], std::uint8_t{1}) != 0 && world.is_movable(s)) || several;
+    });
+  for (std::size_t i = 0; i < seen; ++i) each(i, [&](Slot s) { touching_[s] = 0; });
   return several;
 }
 
@@ -154,72 +155,54 @@ void Seams::list_groups(const World& world, const ContactSet& contacts) {
   if (joins_) find_beside(world, contacts);
 }
 
-void Seams::Points::clear() {
-  for (auto* column : {&x, &y, &z, &more}) column->clear();
-  bit.clear();
-}
-
-void Seams::Points::add(const Vec3& at, double higher, std::uint64_t of_group) {
-  x.push_back(at.x());
-  y.push_back(at.y());
-  z.push_back(at.z());
-  more.push_back(higher);
-  bit.push_back(of_group);
-}
-
-std::uint64_t Seams::Points::groups_below(const Vec3& normal, double top) const {
-  std::uint64_t groups = 0;
-#pragma omp simd reduction(| : groups)
-  for (std::size_t i = 0; i < x.size(); ++i)
-    groups |= normal.x() * x[i] + normal.y() * y[i] + normal.z() * z[i] - more[i] <= top ? bit[i] : 0;
-  return groups;
-}
-
 /// A convex wall extends above the plane of its contact by no more than the level tolerance, and so do its seams with
-/// other walls. This test excludes most pairs of contacts in a pile.
+/// other walls; nor do they lie beyond its bounding sphere. These tests exclude most pairs of contacts in a pile.
 void Seams::find_beside(const World& world, const ContactSet& contacts) {
   for (Slot body = 0; body < world.size(); ++body) {
     const auto groups = of_body_.at(body);
     if (groups.size() < 2 || groups.size() > most_of_free || !world.is_movable(body)) continue;
-    const std::uint64_t all = ~std::uint64_t{0} >> (most_of_free - groups.size());
-    points_.clear();
-    for (std::size_t k = 0; k < groups.size(); ++k) add_points(contacts, groups_[groups[k]], body, 1ull << k);
+    views_.clear();
+    for (const std::uint32_t k : groups) views_.push_back(view_of(contacts, groups_[k], body));
     for (std::size_t k = 0; k < groups.size(); ++k) {
-      const std::uint64_t below = groups_below(contacts, groups_[groups[k]], body) & all & ~(1ull << k);
-      for (std::uint64_t rest = below; rest != 0; rest &= rest - 1) {
-        Group& with = groups_[groups[static_cast<std::size_t>(std::countr_zero(rest))]];
-        with.beside[with.a == body ? 1 : 0] |= 1ull << k;
-      }
+      Group& with = groups_[groups[k]];
+      if (!views_[k].flat) continue;
+      for (std::size_t m = 0; m < groups.size(); ++m)
+        if (m != k && views_[m].flat && may_reach(contacts, views_[m], views_[k], with))
+          with.beside[with.a == body ? 1 : 0] |= 1ull << m;
     }
   }
 }
 
-void Seams::add_points(const ContactSet& contacts, const Group& group, Slot body, std::uint64_t bit) {
+Seams::View Seams::view_of(const ContactSet& contacts, const Group& group, Slot body) const {
   const bool wall_is_b = group.a == body;
   const Slot wall = group.of(wall_is_b);
-  if (flat_[wall] == 0) return;
-  const Vec3 centre = wall_is_b ? Vec3(Vec3::Zero()) : group.branch;
-  const double more = deepest_[wall] + 2.0 * group.depth;
-  for (std::size_t i = group.begin; i < group.end; ++i)
-    points_.add(contacts.arm[i] - centre, more + std::max(0.0, contacts.gap[i]), bit);
+  View view{flat_[wall] != 0};
+  if (!view.flat) return view;
+  if (!wall_is_b) view.centre = group.branch;
+  view.wall = wall_is_b ? group.branch : Vec3(-group.branch);
+  view.more = deepest_[wall] + 2.0 * group.depth;
+  const double slack = view.more + leaning * radius_[body];
+  view.radius = radius_[wall] + slack;
+  const Vec3& normal = contacts.normal[group.begin];
+  bool even = convex_[wall] != 0;
+  if (even) view.out = wall_is_b ? Vec3(-normal) : normal;
+  double top = -infinity;
+  for (std::size_t i = group.begin; i < group.end && even; ++i) {
+    even = same_direction(contacts.normal[i], normal);
+    top = std::max(top, view.out.dot(contacts.arm[i] - view.centre));
+  }
+  view.top = even ? top + slack : infinity;
+  return view;
 }
 
-/// Those of the body's contacts that are not above the plane of this wall, by bits.
-std::uint64_t Seams::groups_below(const ContactSet& contacts, const Group& group, Slot body) const {
-  constexpr std::uint64_t none = 0;
-  const bool wall_is_b = group.a == body;
-  const Slot wall = group.of(wall_is_b);
-  if (flat_[wall] == 0) return none;
-  if (convex_[wall] == 0) return ~none;
-  const Vec3& normal = contacts.normal[group.begin];
-  const Vec3 out = wall_is_b ? Vec3(-normal) : normal;
-  double top = -infinity;
+/// Whether some contact with another wall may lie on this one.
+bool Seams::may_reach(const ContactSet& contacts, const View& wall, const View& other, const Group& group) {
   for (std::size_t i = group.begin; i < group.end; ++i) {
-    if (!same_direction(contacts.normal[i], normal)) return ~none;
-    top = std::max(top, out.dot(contacts.arm[i]));
+    const Vec3 place = contacts.arm[i] - other.centre;
+    const double more = other.more + std::max(0.0, contacts.gap[i]), radius = wall.radius + more;
+    if (wall.out.dot(place) - more <= wall.top && (place - wall.wall).squaredNorm() <= radius * radius) return true;
   }
-  if (!wall_is_b) top -= out.dot(group.branch);
-  return points_.groups_below(out, top + deepest_[wall] + 2.0 * group.depth + leaning * radius_[body]);
+  return false;
 }
 
 /// The contacts of two bodies, either of which may be a wall to the other.

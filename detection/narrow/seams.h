@@ -74,15 +74,14 @@ class Seams {
       begin.front() = 0;
     }
   };
-  /// Contact points of one body with flat walls, from its centre, the height by which a neighbour of each may be
-  /// higher, and the bit of its group. Columns, since all bodies are tested in each step and few in a pile have level
-  /// neighbours.
-  struct Points {
-    std::vector<double> x, y, z, more;
-    std::vector<std::uint64_t> bit;
-    void clear();
-    void add(const Vec3& at, double higher, std::uint64_t of_group);
-    std::uint64_t groups_below(const Vec3& normal, double top) const;
+  /// A group as one of its bodies sees it.
+  struct View {
+    bool flat = false;               ///< the wall is; else nothing else is known
+    Vec3 centre = Vec3::Zero();      ///< of the body, from where the arms begin [m]
+    Vec3 wall = Vec3::Zero();        ///< centre of the wall from the body's [m]
+    Vec3 out = Vec3::Zero();         ///< of the wall
+    double top = 0.0, radius = 0.0;  ///< along `out` and around the wall's centre: seams lie within [m]
+    double more = 0.0;               ///< by which a neighbour may be higher [m]
   };
   /// A contact that a neighbour, or another part of the same solid, may hide.
   struct Candidate {
@@ -122,8 +121,8 @@ class Seams {
   bool touch_several(const World& world, const ContactSet& contacts);
   void list_groups(const World& world, const ContactSet& contacts);
   void find_beside(const World& world, const ContactSet& contacts);
-  void add_points(const ContactSet& contacts, const Group& group, Slot body, std::uint64_t bit);
-  std::uint64_t groups_below(const ContactSet& contacts, const Group& group, Slot body) const;
+  View view_of(const ContactSet& contacts, const Group& group, Slot body) const;
+  static bool may_reach(const ContactSet& contacts, const View& wall, const View& other, const Group& group);
   void consider(const World& world, const ContactSet& contacts, const Group& group);
   bool may_be_near(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b,
                    std::span<const Other> others) const;
@@ -173,7 +172,7 @@ class Seams {
   std::vector<double> thin_;                ///< by slot: half the least width of the box around it [m]
   std::vector<double> deepest_;             ///< by slot: overlap of the contacts of free bodies [m]
   Lists of_body_;                           ///< places in groups_
-  Points points_;                           ///< of one body
+  std::vector<View> views_;                 ///< of one body
   std::vector<Group> groups_;               ///< with a body of flat faces, in the order of the contacts
   std::vector<Candidate> candidates_;       ///< in the order of the contacts
   std::vector<Other> others_;               ///< of the candidates
