@@ -38,10 +38,6 @@ inline constexpr double least_restitution = [] {
     return minimum_restitution;
 }();
 
-/// True where the three parts make a law.
-template <NormalLaw N, TangentialLaw T, RollingLaw R>
-inline constexpr bool parts_fit = T::template fits<N> && (T::is_present || !R::is_present);
-
 /// True where `restitution` sets the damper; otherwise the law has its own parameter.
 template <NormalLaw N>
 inline constexpr bool uses_restitution = [] {

@@ -9,18 +9,10 @@ namespace epafi {
 
 namespace {
 
-/// Parameters of a part for every pair that occurs.
-template <class L>
-std::vector<typename L::Parameters> parameters_of_pairs(const MaterialTable& table) {
-  std::vector<typename L::Parameters> out(table.pairs.size());
-  for (std::size_t k = 0; k < out.size(); ++k)
-    if (table.pairs[k].occurs) out[k] = L::parameters(table.pairs[k]);
-  return out;
-}
-
-/// Largest gap of a contact of the law (adhesion) [m].
+/// Largest gap of a contact of the law (adhesion) [m]; numbers: of the pair.
 template <NormalLaw N>
-double reach_of(const typename N::Parameters& p, double radius) {
+double reach_of(const double* numbers, double radius) {
+  const auto p = from_numbers<typename N::Parameters>(numbers);
   if constexpr (requires { N::reach(p, radius); }) return N::reach(p, radius);
   return 0.0;
 }
@@ -72,67 +64,38 @@ double rolling_mobility_of(const World& world, Slot s, const Vec3& arm) {
   return 1.0 / (3.0 / world.inverse_inertia_of(s).sum() + arm.squaredNorm() / world.inverse_mass[s]);
 }
 
-template <RollingLaw R>
-double rolling_weight(const typename R::Parameters& p, const RollingStep& step) {
-  if constexpr (requires { p.type; }) {
-    if (p.type == AnyRolling::Type::constant) return 0.0;  // the law limits it to what stops the spin
-    return damped_weight(R::stiffness(p, step), R::damping(p, step), 1.0 / step.inertia, step.dt);
-  } else {
-    return 0.0;
-  }
-}
-
 }  // namespace
 
-ContactLinks::ContactLinks(const SmoothSetup& setup) : materials_(setup.materials.materials) {
-  const SmoothParts parts = smooth_parts(setup);
-  const MaterialTable& table = setup.materials;
-  with_law(NormalLaws{}, parts.normal, [&](auto n) {
+ContactLinks::ContactLinks(const SmoothSetup& setup) : law_(smooth_law(setup)) {
+  const std::string normal = smooth_parts(setup).normal;
+  normal_.resize(law_.rows.size());
+  each_pair(setup.materials, [&](std::size_t k, const MaterialPair& pair) { normal_[k] = asked_law(normal, pair); });
+  with_law(NormalLaws{}, normal, [&](auto n) {
     using N = typename decltype(n)::type;
-    reach_ = [pairs = parameters_of_pairs<N>(table)](std::size_t pair, double radius) {
-      return reach_of<N>(pairs[pair], radius);
-    };
-  });
-  normal_.resize(table.pairs.size());
-  for (std::size_t k = 0; k < normal_.size(); ++k)
-    if (table.pairs[k].occurs) normal_[k] = asked_law(parts.normal, table.pairs[k]);
-  sideways_damping_.assign(table.pairs.size(), 0.0);
-  with_law(TangentialLaws{}, parts.tangential, [&](auto t) {
-    using T = typename decltype(t)::type;
-    auto pairs = parameters_of_pairs<T>(table);
-    if constexpr (requires { pairs[0].damping; })
-      for (std::size_t k = 0; k < pairs.size(); ++k)
-        if (table.pairs[k].occurs) sideways_damping_[k] = pairs[k].damping;
-    sideways_ = [pairs = std::move(pairs)](std::size_t pair, double k) {
-      if constexpr (requires { pairs[pair].friction; })
-        if (!(pairs[pair].friction > 0.0)) return 0.0;
-      return double{T::stiffness(pairs[pair], k)};
-    };
-  });
-  with_law(RollingLaws{}, parts.rolling, [&](auto r) {
-    using R = typename decltype(r)::type;
-    rolling_ = [pairs = parameters_of_pairs<R>(table)](std::size_t pair, const RollingStep& step) {
-      return rolling_weight<R>(pairs[pair], step);
-    };
+    reach_ = [](const double* numbers, double radius) { return reach_of<N>(numbers, radius); };
   });
 }
 
 NormalSlopes ContactLinks::normal(std::uint16_t i, std::uint16_t j, const ContactKinematics& at) const {
-  return slopes_of(normal_[i * materials_ + j], at);
+  return slopes_of(normal_[i * law_.materials + j], at);
 }
 
 StiffLink ContactLinks::link(std::uint16_t i, std::uint16_t j, const ContactKinematics& at, double slip_mobility,
                              double rolling_mobility, double dt) const {
-  const std::size_t pair = i * materials_ + j;
+  const std::size_t pair = i * law_.materials + j;
   const NormalSlopes n = slopes_of(normal_[pair], at);
   StiffLink out;
   out.along = damped_weight(n.stiffness, n.dashpot, 1.0 / at.effective_mass, dt);
-  const double sideways = sideways_(pair, n.of_law);
-  const double dashpot =
-      slip_mobility > 0.0 ? 2.0 * sideways_damping_[pair] * std::sqrt(sideways / slip_mobility) : 0.0;
+  const PairRow& row = law_.rows[pair];
+  const auto p = from_numbers<CoulombSpring::Parameters>(&row.tangential);
+  const double sideways = p.friction > 0.0 ? CoulombSpring::stiffness(p, n.of_law) : 0.0;
+  const double dashpot = slip_mobility > 0.0 ? 2.0 * p.damping * std::sqrt(sideways / slip_mobility) : 0.0;
   out.across = damped_weight(sideways, dashpot, slip_mobility, dt);
-  if (rolling_mobility > 0.0)
-    out.turn = rolling_(pair, {n.of_law, n.force, at.effective_radius, 1.0 / rolling_mobility, 0.0, 0.0, dt});
+  const AnyRolling::Parameters r{law_.rolling, row.rolling[0], row.rolling[1]};
+  // type A is limited to what stops the spin
+  if (!law_.rolls || r.type == AnyRolling::Type::constant || !(rolling_mobility > 0.0)) return out;
+  const RollingStep step{n.of_law, n.force, at.effective_radius, 1.0 / rolling_mobility, 0.0, 0.0, dt};
+  out.turn = damped_weight(AnyRolling::stiffness(r, step), AnyRolling::damping(r, step), 1.0 / step.inertia, dt);
   return out;
 }
 
@@ -144,7 +107,8 @@ void ContactLinks::append(const World& world, const ContactSet& contacts, std::s
     if (mobility == 0.0) continue;
     ContactKinematics at;
     at.effective_radius = k < contacts.effective_radius.size() ? contacts.effective_radius[k] : 0.0;
-    const double reach = reach_(world.material[a] * materials_ + world.material[b], at.effective_radius);
+    const std::size_t pair = world.material[a] * law_.materials + world.material[b];
+    const double reach = reach_(law_.numbers.data() + pair * law_.per_pair, at.effective_radius);
     if (!(contacts.gap[k] < reach)) continue;
     at.overlap = contacts.gap[k] < 0.0 ? -contacts.gap[k] : std::min(-contacts.gap[k], -1e-6 * reach);
     at.effective_mass = 1.0 / mobility;

@@ -3,8 +3,6 @@
 /// Friction counts as sticking, since a contact at its limit may stick in the next
 /// step.
 #pragma once
-#include <functional>
-
 #include "engine/state/contacts.h"
 #include "engine/step/stiffest_mode.h"
 #include "laws/smooth/asked_law.h"
@@ -35,13 +33,9 @@ class ContactLinks {
   NormalSlopes normal(std::uint16_t i, std::uint16_t j, const ContactKinematics& at) const;
 
  private:
-  std::size_t materials_;
-  std::vector<AskedLaw> normal_;                                        ///< by pair
-  std::function<double(std::size_t pair, double radius)> reach_;        ///< beyond touch [m]
-  std::function<double(std::size_t pair, double stiffness)> sideways_;  ///< k_t of k_n [N/m]
-  std::vector<double> sideways_damping_;                                ///< by pair, of critical
-  /// damped_weight of rolling [kg m^2]
-  std::function<double(std::size_t pair, const RollingStep& step)> rolling_;
+  SmoothLaw law_;
+  std::vector<AskedLaw> normal_;                                     ///< by pair
+  double (*reach_)(const double* numbers, double radius) = nullptr;  ///< beyond touch [m]
 };
 
 }  // namespace epafi

@@ -86,18 +86,15 @@ Slopes slopes_at(const AskedLaw& law, const ExpectedContact& c, double overlap) 
 
 /// Normal dashpot with the same step limit as that of the friction spring on a solid sphere, whose tangential mobility
 /// is 7/2 of the normal one [N s/m].
-template <TangentialLaw T>
-double tangential_dashpot(const MaterialPair& pair, double normal_stiffness, double effective_mass) {
-  [[maybe_unused]] const auto p = T::parameters(pair);
-  if constexpr (requires { p.damping; })
-    return 3.5 * 2.0 * p.damping * std::sqrt(T::stiffness(p, normal_stiffness) * effective_mass / 3.5);
-  else
-    return 0.0;
-}
 double tangential_dashpot(const std::string& tangential, const MaterialPair& pair, double normal_stiffness,
                           double effective_mass) {
   return with_law(TangentialLaws{}, tangential, [&](auto t) {
-    return tangential_dashpot<typename decltype(t)::type>(pair, normal_stiffness, effective_mass);
+    using T = typename decltype(t)::type;
+    [[maybe_unused]] const auto p = T::parameters(pair);
+    if constexpr (requires { p.damping; })
+      return 3.5 * 2.0 * p.damping * std::sqrt(T::stiffness(p, normal_stiffness) * effective_mass / 3.5);
+    else
+      return 0.0;
   });
 }
 

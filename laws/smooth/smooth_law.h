@@ -76,14 +76,21 @@ template <class Law>
 inline constexpr bool fits_spheres =
     !Law::needs.area && (!RemembersNormal<Law> || sizeof(NormalState<Law>) == sizeof(double));
 
+/// Parameters, or what a law remembers, from its numbers one behind the other.
+template <class T>
+T from_numbers(const void* numbers) {
+  T out;
+  std::memcpy(static_cast<void*>(&out), numbers, sizeof out);
+  return out;
+}
+
 /// Response of one contact.
 template <class Law>
 NormalResponse respond_to(const double* numbers, const ContactKinematics& c, const double* before, double* now,
                           const double* dt_if_located) {
-  typename Law::Parameters p;
-  std::memcpy(&p, numbers, sizeof p);
+  const auto p = from_numbers<typename Law::Parameters>(numbers);
   NormalState<Law> old, next;
-  if constexpr (RemembersNormal<Law>) std::memcpy(static_cast<void*>(&old), before, sizeof old);
+  if constexpr (RemembersNormal<Law>) old = from_numbers<NormalState<Law>>(before);
   NormalResponse out = respond<Law>(p, c, old, next);
   if constexpr (RemembersNormal<Law>) std::memcpy(now, &next, sizeof next);
   if constexpr (PowerParts<Law>)
@@ -120,20 +127,8 @@ void take_normal(const MaterialTable& table, SmoothLaw& law) {
     law.needs.normal = true;
   }
   if constexpr (requires(const NormalState<Law>& s) { Law::holds(s); })
-    law.holds = [](const double* state) {
-      NormalState<Law> s;
-      std::memcpy(static_cast<void*>(&s), state, sizeof s);
-      return Law::holds(s);
-    };
+    law.holds = [](const double* state) { return Law::holds(from_numbers<NormalState<Law>>(state)); };
   law.contact = law.contact | Law::needs;
-}
-
-/// From a part of a row.
-template <class Parameters>
-Parameters read_row(const Lanes& numbers) {
-  Parameters p;
-  std::memcpy(static_cast<void*>(&p), &numbers, sizeof p);
-  return p;
 }
 
 template <class Law>
@@ -145,7 +140,7 @@ FrictionEvaluation friction_evaluation() {
   out.memory = sizeof(Memory) / sizeof(double);
   out.is_spring = std::same_as<Law, CoulombSpring>;
   out.pull = [](const Lanes& numbers, const SlipStep& step, const double* before, double* now) {
-    return Law::pull(read_row<Parameters>(numbers), step, *reinterpret_cast<const Memory*>(before),
+    return Law::pull(from_numbers<Parameters>(&numbers), step, *reinterpret_cast<const Memory*>(before),
                      *reinterpret_cast<Memory*>(now));
   };
   out.energy = [](const double* memory) { return energy_of(*reinterpret_cast<const Memory*>(memory)); };

@@ -57,13 +57,32 @@ TEST_CASE("a flat wall has no radius, whatever it is made of", "[detection][roun
   }
 }
 
-TEST_CASE("the side of a cylinder has the mean of its curvatures, two free flats count both", "[detection][round]") {
-  // Hertz' ellipse of a sphere on a rod ten times thicker: within a hundredth of the mean curvature's circle
+TEST_CASE("a ball touches the side of a cylinder along Hertz' ellipse, whichever is thicker", "[detection][round]") {
+  // Johnson 1985, section 4.2: relative curvatures 1/r along the axis and 1/r + 1/R across it
+  Random random(648, 2);
+  for (int n = 0; n < 200; ++n) {
+    const double r = std::pow(10.0, random.uniform(-2.0, 1.0)), R = std::pow(10.0, random.uniform(-2.0, 1.0));
+    const Cylinder rod(R, 20.0 * r);
+    const Pose axis{Vec3::Zero(), testing::random_turn(random)};
+    const double angle = random.uniform(-testing::pi, testing::pi), far = r + R - 1e-6 * std::min(r, R);
+    const Vec3 place(far * std::cos(angle), far * std::sin(angle), random.uniform(-5.0, 5.0) * r);
+    const Pose at{axis.orientation * place, testing::random_turn(random)};
+    const double exact = hertz_radius(0.5 / r, 0.5 * (1.0 / r + 1.0 / R));
+    INFO("r " << r << " R " << R);
+    for (const std::vector<double>& got :
+         {radii(Sphere{r}, at, rod, axis, false), radii(rod, axis, Sphere{r}, at, true)}) {
+      REQUIRE(got.size() == 1);
+      CHECK(got[0] == Approx(exact).epsilon(1e-11));
+    }
+  }
+}
+
+TEST_CASE("crossed rods touch like balls; two free flats count both", "[detection][round]") {
   const Cylinder rod(1.0, 5.0);
-  const double exact = hertz_radius(0.5 / 0.1, 0.5 * (1.0 / 0.1 + 1.0));
-  const std::vector<double> side = radii(Sphere{0.1}, {{1.1 - 1e-4, 0, 0}, testing::upright}, rod, {}, false);
-  REQUIRE(side.size() == 1);
-  CHECK(side[0] == Approx(exact).epsilon(0.01));
+  const Quat across(Eigen::AngleAxisd(0.5 * testing::pi, Vec3::UnitX()));
+  const std::vector<double> crossed = radii(rod, {}, rod, {{2.0 - 1e-4, 0, 0}, across}, false);
+  REQUIRE(crossed.size() == 1);
+  CHECK(crossed[0] == Approx(1.0).epsilon(1e-12));
   const Box cube(Vec3::Constant(0.1));
   const double own = cube.contact_radius();
   const std::vector<double> free = radii(cube, {{0, 0, 0.0999}, testing::upright}, cube, {}, false);

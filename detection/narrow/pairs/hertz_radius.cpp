@@ -95,6 +95,24 @@ CurvatureAcross curvature_of(const RoundRef& shape, const Derivative& derivative
   return sphere;
 }
 
+/// R* (A + B) as a series of e^2 = ((B - A)/(A + B))^2, of the relations in hertz_radius.h: 1e-14 up to e = 1/4.
+double nearly_round_hertz(double e2) {
+  constexpr std::array<double, 11> factor{1.0,
+                                          2.0 / 3.0,
+                                          31.0 / 54.0,
+                                          0.52469135802469136,
+                                          0.49232681755829904,
+                                          0.46879604226997917,
+                                          0.45057856257797197,
+                                          0.43586701357723623,
+                                          0.42362136817196632,
+                                          0.4131931840818744,
+                                          0.40415332774583317};
+  double sum = 0.0;
+  for (std::size_t k = factor.size(); k-- > 0;) sum = sum * e2 + factor[k];
+  return sum;
+}
+
 }  // namespace
 
 double hertz_radius(double A, double B) {
@@ -136,6 +154,14 @@ double hertz_radius_on_plane(const RoundRef& a, double swept, const Vec3& d) {
   const auto [u, v] = Tangents(d);
   const auto on_a = [&]() -> Mat3 { return a.curved_support_of(a.shape, d).derivative; };
   return hertz_radius(curvature_of(a, on_a, u, v, swept), {});
+}
+
+double wall_contact_radius(double r, double curvature) {
+  const double least = std::max(curvature, -0.9 / r);
+  const double sum = 1.0 / r + 0.5 * least, e = 0.5 * std::abs(least) / sum;
+  if (e <= 0.25) return nearly_round_hertz(e * e) / sum;
+  const double along = 0.5 / r, across = 0.5 * (1.0 / r + least);
+  return hertz_radius(std::min(along, across), std::max(along, across));
 }
 
 }  // namespace epafi

@@ -29,4 +29,7 @@ double hertz_radius(const RoundRef& a, double swept_a, const RoundRef& b, double
 /// R* of a round body on a plane; d: unit, in its own axes, towards the plane.
 double hertz_radius_on_plane(const RoundRef& a, double swept, const Vec3& d);
 
+/// R* of a ball of radius r on a wall with this curvature across the side, negative inside [m].
+double wall_contact_radius(double r, double curvature);
+
 }  // namespace epafi

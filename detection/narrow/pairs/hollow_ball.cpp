@@ -3,24 +3,6 @@
 namespace epafi {
 namespace {
 
-/// R* (A + B) as a series of e^2 = ((B - A)/(A + B))^2, of the relations in hertz_radius.h: 1e-14 up to e = 1/4.
-double nearly_round_hertz(double e2) {
-  constexpr std::array<double, 11> factor{1.0,
-                                          2.0 / 3.0,
-                                          31.0 / 54.0,
-                                          0.52469135802469136,
-                                          0.49232681755829904,
-                                          0.46879604226997917,
-                                          0.45057856257797197,
-                                          0.43586701357723623,
-                                          0.42362136817196632,
-                                          0.4131931840818744,
-                                          0.40415332774583317};
-  double sum = 0.0;
-  for (std::size_t k = factor.size(); k-- > 0;) sum = sum * e2 + factor[k];
-  return sum;
-}
-
 /// One half of the outline: sign is -1 beyond the axis.
 struct HalfPlane {
   const HollowWall& wall;
@@ -70,14 +52,6 @@ struct HalfPlane {
 };
 
 }  // namespace
-
-double wall_contact_radius(double r, double curvature) {
-  const double least = std::max(curvature, -0.9 / r);
-  const double sum = 1.0 / r + 0.5 * least, e = 0.5 * std::abs(least) / sum;
-  if (e <= 0.25) return nearly_round_hertz(e * e) / sum;
-  const double along = 0.5 / r, across = 0.5 * (1.0 / r + least);
-  return hertz_radius(std::min(along, across), std::max(along, across));
-}
 
 WallTouches ball_touches(const HollowWall& wall, const Vec3& centre, double limit) {
   WallTouches out;

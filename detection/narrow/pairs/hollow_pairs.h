@@ -26,9 +26,6 @@
 
 namespace epafi {
 
-/// R* of a ball of radius r on a wall with this curvature across the side, negative inside [m].
-double wall_contact_radius(double r, double curvature);
-
 /// A ball in the wall's axes: f(distance, direction, curvature, feature) for each place nearer than `limit`; direction:
 /// unit, from the wall to the centre; features 0 near, 1 far, 2 start, 3 end.
 struct WallTouch {

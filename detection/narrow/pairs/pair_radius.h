@@ -1,6 +1,8 @@
-/// @file pair_radius.h  R* of a pair of shapes other than spheres. A flat side has infinite radius, so R* is the other
-/// body's radius. If both sides are flat, that of a wall (fixed or driven body) counts as flat, else that of a
-/// polyhedron; of two equals both have the radius of the sphere of equal volume.
+/// @file pair_radius.h  R* of a pair of shapes other than spheres. A round body on the side of a cylinder touches along
+/// Hertz' ellipse; two such sides, whose ellipse has no end where they are parallel, count by the mean of their
+/// curvatures. A flat side has infinite radius, so R* is the other body's radius. If both sides are flat, that of a
+/// wall (fixed or driven body) counts as flat, else that of a polyhedron; of two equals both have the radius of the
+/// sphere of equal volume.
 #pragma once
 #include <cmath>
 #include <concepts>
@@ -11,7 +13,8 @@
 
 namespace epafi {
 
-/// A shape whose radius depends on where it is touched: radius_towards(d), infinite on a flat [m]; d in body axes.
+/// A shape whose radius depends on where it is touched: radius_towards(d), infinite on a flat, of a side that is
+/// straight along and round across twice the radius across (the mean of its curvatures) [m]; d in body axes.
 template <class S>
 concept RadiusByDirection = requires(const S& s, const Vec3& d) {
   { s.radius_towards(d) } -> std::same_as<double>;
@@ -23,6 +26,7 @@ struct TouchingRadius {
   double (*radius_towards)(const void* shape, const Vec3& d) = nullptr;  ///< null: flat everywhere
   double on_flat = 0.0;                                                  ///< against a flat [m]; 0: as towards
   bool polyhedral = false;
+  bool has_side = false;  ///< where it is not flat it is straight along
 
   double towards(const Vec3& d) const { return radius_towards ? radius_towards(shape, d) : infinity; }
   double against_flat(const Vec3& d) const { return on_flat > 0.0 ? on_flat : towards(d); }
@@ -33,7 +37,7 @@ struct TouchingRadius {
       return {&s, nullptr, contact_radius(s), true};
     } else if constexpr (RadiusByDirection<S>) {
       return {&s, [](const void* p, const Vec3& d) { return static_cast<const S*>(p)->radius_towards(d); },
-              contact_radius(s), false};
+              contact_radius(s), false, true};
     } else if constexpr (RoundShape<S>) {
       const auto towards = [](const void* p, const Vec3& d) {
         const S& round = *static_cast<const S*>(p);
@@ -61,6 +65,8 @@ inline double pair_radius(const TouchingRadius& a, const TouchingRadius& b, cons
   if (std::isinf(of_a) && std::isinf(of_b)) return radius_of_flats(a, b, q);
   if (std::isinf(of_a)) return b.against_flat(n_b);
   if (std::isinf(of_b)) return a.against_flat(n_a);
+  if (a.has_side != b.has_side)
+    return a.has_side ? wall_contact_radius(of_b, 2.0 / of_a) : wall_contact_radius(of_a, 2.0 / of_b);
   return effective_radius(of_a, of_b);
 }
 
