@@ -70,9 +70,13 @@ class ConvexOnMesh {
     springs_ = !(q.reach > 0.0);
     out_.clear();
     beyond_.clear();
-    if (!find_near(triangles)) return;
-    if (all_plain(mesh, triangles_))
-      on_plain_face(mesh.face[triangles_.front()]);
+    // of a plane any triangle will do: its closed form tells whether the body is near
+    bool plain = all_plain(mesh, triangles);
+    if (!plain) plain = all_plain(mesh, triangles = find_near(triangles));
+    if (triangles.empty()) return;
+    const std::uint32_t face = mesh.face[triangles.front()];  // the same triangle whichever is near, for the same bits
+    if (plain)
+      on_face(face, normal_towards(mesh, face, pose.position), Face::plain);
     else
       meet_regions();
     if (out_.empty() && !beyond_.empty()) out_.push_back(*std::ranges::min_element(beyond_, {}, &MeshPoint::gap));
@@ -85,30 +89,20 @@ class ConvexOnMesh {
   }
 
  private:
-  /// Finds the triangles that the body is near to, in place of the candidates, with their neighbours where the surface
-  /// bends: the way out may lean on a face beyond a blunt edge. False: none is. Of a plane any one will do: its closed
-  /// form tells whether the body is near.
-  bool find_near(std::span<const std::uint32_t> candidates) {
-    if (all_plain(*mesh_, candidates)) {
-      triangles_.assign(candidates.begin(), candidates.end());
-      return !candidates.empty();
-    }
+  std::span<const std::uint32_t> find_near(std::span<const std::uint32_t> candidates) {
     near_.clear();
     std::ranges::copy_if(candidates, std::back_inserter(near_), [&](std::uint32_t t) { return is_near(b_, t); });
+    return near_;
+  }
+
+  /// With the neighbours where the surface bends: the way out may lean on a face beyond a blunt edge.
+  void meet_regions() {
     triangles_ = near_;
-    if (all_plain(*mesh_, near_)) return !near_.empty();
     for (const std::uint32_t t : near_)
       for (std::size_t side = 0; side < 3; ++side)
         if (mesh_->edge_kinds[t][side] != EdgeKind::open) triangles_.push_back(mesh_->neighbours[t][side]);
     std::ranges::sort(triangles_);
     triangles_.erase(std::unique(triangles_.begin(), triangles_.end()), triangles_.end());
-    return true;
-  }
-
-  /// face: the same triangle whichever is near, for the same bits.
-  void on_plain_face(std::uint32_t face) { on_face(face, normal_towards(*mesh_, face, b_.pose.position), Face::plain); }
-
-  void meet_regions() {
     find_sides(*mesh_, triangles_, b_.pose.position, fronts_);
     ways_.clear();
     members_.clear();

@@ -120,6 +120,29 @@ struct NearestPlace {
   }
 };
 
+/// How far the solid goes on from a vertex along a unit direction, at most `most` [m]; 0: not at all. It goes on where
+/// no triangle of the vertex turns its outside that way, and at least one its inside.
+double solid_beyond(const PlacedCore& body, bool front, const Vec3& from, const Vec3& along, double most) {
+  const TriangleMesh& mesh = *body.mesh;
+  const double side = front ? 1.0 : -1.0;
+  bool behind = false, outside = false;
+  double length = most;
+  const Vec3 to = from + most * along;
+  static thread_local std::vector<std::uint32_t> near;  // keeps its size
+  near.clear();
+  mesh.query(Aabb{from.cwiseMin(to), from.cwiseMax(to)}.fattened(body.tolerance), near);
+  for (const std::uint32_t t : near) {
+    const double rise = side * mesh.normals[t].dot(along), height = over_triangle(mesh, t, from).height;
+    if (lies_on(mesh, t, from, body.tolerance)) {
+      behind = behind || rise < -blunt;
+      outside = outside || rise > blunt;
+    } else if (std::abs(rise) > blunt && stands_between(mesh, t, from, to, body.tolerance)) {
+      length = std::min(length, std::abs(height / rise));
+    }
+  }
+  return behind && !outside ? length : 0.0;
+}
+
 }  // namespace
 
 void find_sides(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, const Vec3& x,
@@ -180,33 +203,6 @@ void gather_region(const PlacedCore& body, std::span<const std::uint32_t> triang
   }
   std::sort(region.triangles.begin(), region.triangles.end());
 }
-
-namespace {
-
-/// How far the solid goes on from a vertex along a unit direction, at most `most` [m]; 0: not at all. It goes on where
-/// no triangle of the vertex turns its outside that way, and at least one its inside.
-double solid_beyond(const PlacedCore& body, bool front, const Vec3& from, const Vec3& along, double most) {
-  const TriangleMesh& mesh = *body.mesh;
-  const double side = front ? 1.0 : -1.0;
-  bool behind = false, outside = false;
-  double length = most;
-  const Vec3 to = from + most * along;
-  static thread_local std::vector<std::uint32_t> near;  // keeps its size
-  near.clear();
-  mesh.query(Aabb{from.cwiseMin(to), from.cwiseMax(to)}.fattened(body.tolerance), near);
-  for (const std::uint32_t t : near) {
-    const double rise = side * mesh.normals[t].dot(along), height = over_triangle(mesh, t, from).height;
-    if (lies_on(mesh, t, from, body.tolerance)) {
-      behind = behind || rise < -blunt;
-      outside = outside || rise > blunt;
-    } else if (std::abs(rise) > blunt && stands_between(mesh, t, from, to, body.tolerance)) {
-      length = std::min(length, std::abs(height / rise));
-    }
-  }
-  return behind && !outside ? length : 0.0;
-}
-
-}  // namespace
 
 bool continue_rims(const PlacedCore& body, MeshRegion& region) {
   const TriangleMesh& mesh = *body.mesh;
