@@ -233,7 +233,7 @@ bool is_free_wall(const ShapeStore& shapes, ShapeRef shape) {
 }
 
 bool is_convex(const ShapeStore& shapes, ShapeRef shape) {
-  return shapes.with(shape, []<class S>(const S&) { return FlatConvex<S> || std::is_same_v<S, HalfSpace>; });
+  return shapes.with(shape, []<class S>(const S&) { return ConvexShape<S> || std::is_same_v<S, HalfSpace>; });
 }
 
 std::size_t part_count(const ShapeStore& shapes, ShapeRef shape) {

@@ -48,12 +48,14 @@ SurfacePoint Seams::seen(const ContactSet& contacts, std::size_t i, const Group&
   return {i, wall_is_b ? arm : Vec3(arm - group.branch), wall_is_b ? Vec3(-normal) : normal};
 }
 
-/// Level walls are one surface to a body of flat faces that is on both, wherever it touches them.
+/// Level walls are one surface to a body that is on both, wherever it touches them. A ball does that at one place.
 void Seams::join_level(const World& world, const ContactSet& contacts) {
   for (std::uint32_t k = 0; k < groups_.size(); ++k)
     for (const bool body_is_b : {false, true}) {
       const Slot body = groups_[k].of(body_is_b);
-      if (flat_[body] == 0 || !world.is_movable(body) || world.is_movable(groups_[k].of(!body_is_b))) continue;
+      if ((flat_[body] == 0 && convex_[body] == 0) || !world.is_movable(body) ||
+          world.is_movable(groups_[k].of(!body_is_b)))
+        continue;
       for (const std::uint32_t m : of_body_.at(body)) {
         if (m >= k) break;
         if (world.is_movable(groups_[m].of(groups_[m].a == body))) continue;
@@ -98,21 +100,21 @@ void Seams::rest_on_few(const World& world, ContactSet& contacts) {
   }
 }
 
-/// Of two free bodies either is the wall of the other; else the fixed or driven one is.
+/// Of two free bodies the second is the wall; else the fixed or driven one is.
 void Seams::rest_on_few(const World& world, ContactSet& contacts, std::span<const std::uint32_t> surface) {
   points_on_.clear();
   double size = infinity;
   for (const std::uint32_t k : surface) {
     const Group& group = groups_[k];
-    const bool wall_is_b = surface.size() == 1 || world.is_movable(group.a);
+    const bool wall_is_b = world.is_movable(group.a);
     for (std::size_t i = group.begin; i < group.end; ++i)
       if (hidden_[i] == 0) points_on_.push_back(seen(contacts, i, group, wall_is_b));
     size = std::min({size, radius_[group.a], radius_[group.b]});
   }
   if (surface.size() == 1 && points_on_.size() < 2) return;
   const Group& first = groups_[surface.front()];
-  const bool body_is_b = surface.size() > 1 && world.is_movable(first.b);
-  const Slot body = first.of(body_is_b);
+  const bool body_is_b = !world.is_movable(first.a);
+  const Slot body = first.of(body_is_b), wall = first.of(!body_is_b);
   // the memory of a contact continues at another point
   const auto wall_of = [&](std::uint32_t k) { return groups_[k].of(groups_[k].a == body); };
   const auto join_all = [&] {
@@ -121,9 +123,10 @@ void Seams::rest_on_few(const World& world, ContactSet& contacts, std::span<cons
   };
   for (OutlineCorners& o : outlines_) o.corners.clear();
   if (!predicted_) find_corners(world, body, Vec3::Zero(), outlines_[0]);
-  if (springs_ && surface.size() == 1) find_corners(world, first.b, first.branch, outlines_[1]);
+  if (springs_ && surface.size() == 1)
+    find_corners(world, wall, body_is_b ? Vec3(-first.branch) : first.branch, outlines_[1]);
   outlines_[1].side = -1.0;
-  if (surface.size() > 1 && !predicted_) {
+  if (!predicted_ && (surface.size() > 1 || (parts_[wall] != 0 && !world.is_movable(wall)))) {
     join_all();
     rest_on_tops(world, contacts, surface, size);
   }
@@ -131,13 +134,13 @@ void Seams::rest_on_few(const World& world, ContactSet& contacts, std::span<cons
   if (points_on_.size() > 1 && keep_few(points_on_, outlines, size, tolerance * size, contacts, hidden_)) join_all();
 }
 
-/// On level walls a body with flat faces has the contacts with one plate. Single pairs would have the normal
-/// of least depth and few points, as if the other walls did not exist.
+/// On level walls a body has the contacts with one plate. Single pairs would have the normal of least depth, and points
+/// at the ends of each wall, as if the other walls did not exist.
 void Seams::rest_on_tops(const World& world, ContactSet& contacts, std::span<const std::uint32_t> surface,
                          double size) {
   const Group& first = groups_[surface.front()];
-  const Slot body = first.of(world.is_movable(first.b));
-  if (flat_[body] == 0) return;
+  const Slot body = first.of(!world.is_movable(first.a));
+  if (flat_[body] == 0 && convex_[body] == 0) return;
   const std::size_t before = points_on_.size();
   // the plane of most walls first: what others have in the joints beneath it is hidden
   for (std::size_t most = surface.size(); most > 0; --most)
@@ -255,7 +258,12 @@ ContactSet& Seams::meet_plate(const World& world, Slot body, bool curvature) con
   ContactSink sink(on_plate);
   sink.begin(0, 1);
   shapes_.with(ShapeRef{world.shape[body]}, [&]<class S>(const S& s) {
-    if constexpr (PolyhedralShape<PartOf<S>> || HasFlatSides<PartOf<S>>) pair_table_detail::meet(s, plate, q, sink, {});
+    if constexpr (PolyhedralShape<PartOf<S>> || HasFlatSides<PartOf<S>>) {
+      pair_table_detail::meet(s, plate, q, sink, {});
+    } else if constexpr (ConvexShape<S>) {  // the plane has a closed form
+      q.b.position += half * up;
+      pair_table_detail::meet(s, HalfSpace{}, q, sink, {});
+    }
   });
   sink.end();
   return on_plate;

@@ -8,8 +8,8 @@
 /// other (tiles on a floor, stones of an arch): those may differ in level by as much as they are pressed in there, up
 /// to a tenth of half their least width. In a periodic cell a wall that is as wide as the cell touches its own images.
 /// The convex parts of a solid, free or fixed, are one surface in the same way. On a surface of fixed or driven
-/// walls a body rests with the points of one wall, and so does a body of parts (few_points.h); one with flat faces on
-/// level faces as on one plate (seam_surfaces.cpp), whatever normal and points each pair has chosen.
+/// walls a body rests with the points of one wall, and so does a body of parts (few_points.h); a convex one or a solid
+/// on level faces as on one plate (seam_surfaces.cpp), whatever normal and points each pair has chosen.
 ///
 /// Limits: of closed meshes only the surface counts, not the interior; free bodies are not joined for a body that
 /// touches more than 64, or that is fixed or driven.
@@ -165,7 +165,7 @@ class Seams {
   bool solids_ = false;                     ///< some body has parts
   bool joins_ = false;                      ///< there are bodies with flat faces that may touch
   std::vector<std::uint8_t> flat_;          ///< by slot: has flat faces
-  std::vector<std::uint8_t> convex_;        ///< by slot: lies behind each of its contact planes
+  std::vector<std::uint8_t> convex_;        ///< by slot, no ball: lies behind each of its contact planes
   std::vector<std::uint8_t> parts_;         ///< by slot: has several convex parts
   std::vector<std::uint8_t> touching_;      ///< by slot: has been seen in the contacts; 0 between steps
   std::vector<double> radius_;              ///< by slot: of the bounding sphere [m]
