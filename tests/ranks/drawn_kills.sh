@@ -20,7 +20,7 @@ go_on() {
   else on_ranks "$ranks" 1 "$shared" run "$scene" --until $until --quiet --force -o "$out" "$@"
   fi > "$folder/log" 2>&1
 }
-until=0.035
+until=0.09
 rm -rf "$folder"; mkdir -p "$folder"; cp "$here/net.obj" "$folder"
 for seed in "$@"; do
   RANDOM=$seed scene=$folder/$seed.toml out=$folder/$seed
@@ -31,14 +31,18 @@ for seed in "$@"; do
   for _ in $(seq "$kills"); do
     go_on $((2 + RANDOM % 3)) &
     starter=$!
-    for _ in $(seq 100); do is_met && break; kill -0 $starter 2> /dev/null || break; sleep 0.05; done
+    for _ in $(seq 200); do is_met && break; kill -0 $starter 2> /dev/null || break; sleep 0.02; done
     sleep 0.$((RANDOM % 4))
     mapfile -t all < <(processes_of "$out")
     if [ ${#all[@]} -gt 0 ]; then
       hits=$((hits + 1))
       if [ $((RANDOM % 2)) -eq 0 ]; then kill -KILL "${all[@]}"; else kill -KILL "${all[RANDOM % ${#all[@]}]}"; fi
     fi 2> /dev/null
+    # mpirun itself may wait for ever where all of its processes died at once
+    { sleep 15; pkill -KILL -f "mpirun .* $out( |\$)"; } 2> /dev/null &
+    guard=$!
     wait $starter
+    kill $guard 2> /dev/null
   done
   left=$(processes_of "$out" | wc -l)
   [ "$left" -eq 0 ] || fail "$left processes are left"
