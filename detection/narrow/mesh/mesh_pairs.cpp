@@ -84,7 +84,7 @@ class BallOnMesh {
         continue;
       spot_.push_back(wall.normal);
       const Vec3 normal = normal_towards(mesh_, wall.triangle, centre_);
-      const bool extended = goes_on_to(mesh_, wall.triangle, normal, centre_, springs_, tolerance_);
+      const bool extended = goes_on(out) && goes_on(wall);
       if (extended) wall = {{centre_, normal.dot(centre_ - mesh_.corners(wall.triangle)[0])}, wall.triangle, normal};
       const double cosine = wall.normal.dot(out.normal), deep = radius_ - wall.nearest.distance;
       if (!(cosine > 0.0)) continue;
@@ -97,6 +97,12 @@ class BallOnMesh {
     out.nearest.distance = radius_ - depth / place.norm();
     out.normal = place.normalized();
     return out;
+  }
+  /// The ball is over the triangle or the hollow that it is a side of; not so beyond the edge of a blade, behind a
+  /// side.
+  bool goes_on(const Touch& touch) const {
+    const Vec3 normal = normal_towards(mesh_, touch.triangle, centre_);
+    return goes_on_to(mesh_, touch.triangle, normal, centre_, springs_, tolerance_);
   }
   static bool is_over_face(const Touch& touch) { return touch.nearest.part == TrianglePart::face; }
   /// True if its nearest point is on or behind a triangle that is as close or closer: a plate thinner than the overlap
