@@ -40,6 +40,7 @@ std::string JoinReport::to_string() const {
   if (flipped > 0) add(fmt::format("{} triangles turned over", flipped));
   if (moved > 0)
     add(fmt::format("{} corners moved into the planes of their faces by up to {:.2g} m", moved, move_distance));
+  if (unevenness > 0.0) add(fmt::format("contacts closer than {:.2g} m are one, as faces stay uneven", unevenness));
   return text.empty() ? text : fmt::format("joined within {:.2g} m: {}", tolerance, text);
 }
 

@@ -5,6 +5,7 @@
 #include "detection/shapes/ellipsoid.h"
 #include "detection/shapes/hull_from_points.h"
 #include "tests/detection/mesh_floors.h"
+#include "tests/support/pair_errors.h"
 
 using namespace epafi;
 using namespace epafi::testing;
@@ -144,4 +145,28 @@ TEST_CASE("the force on a ball that is pressed anywhere into a bowl of random tr
     }
   }
   CHECK(touching > 11000);
+}
+
+TEST_CASE("a ball at the edge of a blade touches neither the planes of its far side nor anything deeper",
+          "[detection][mesh][hollow]") {
+  Random random(518, 0);
+  for (int k = 0; k < 100; ++k) {
+    // thin and of many corners: bends of a few degrees on both sides, which are hollow from behind
+    const ConvexHull blade =
+        support::random_hull(random, 20 + random.bits() % 30, {1.0, 1.0, random.uniform(0.02, 0.2)});
+    const TriangleMesh mesh = support::surface_of(blade);
+    for (const HullEdge& edge : blade.edges) {
+      const double radius = std::pow(10.0, random.uniform(-1.5, 0.5)), depth = radius * random.uniform(1e-6, 0.01);
+      const Vec3 &from = blade.vertices[edge.from], &to = blade.vertices[edge.to];
+      const double along = random.uniform(), across = random.uniform();
+      const Vec3 out =
+          ((1.0 - across) * blade.face_normals[edge.left] + across * blade.face_normals[edge.right]).normalized();
+      const Pose ball{Vec3(from + along * (to - from) + (radius - depth) * out), Quat(1, 0, 0, 0)};
+      for (const double reach : {0.0, 1e-3 * radius}) {  // springs, and rigid laws
+        const ContactSet contacts = contacts_with(Sphere{radius}, ball, mesh, {}, reach);
+        REQUIRE(contacts.size() > 0);
+        CHECK(*std::ranges::min_element(contacts.gap) == Approx(-depth).margin(1e-12));
+      }
+    }
+  }
 }

@@ -83,9 +83,8 @@ class BallOnMesh {
           std::ranges::none_of(spot_, is_beside))
         continue;
       spot_.push_back(wall.normal);
-      const Vec3 normal = normal_towards(mesh_, wall.triangle, centre_);
       const bool extended = goes_on(out) && goes_on(wall);
-      if (extended) wall = {{centre_, normal.dot(centre_ - mesh_.corners(wall.triangle)[0])}, wall.triangle, normal};
+      if (extended) wall = on_plane_of(wall.triangle);
       const double cosine = wall.normal.dot(out.normal), deep = radius_ - wall.nearest.distance;
       if (!(cosine > 0.0)) continue;
       touches_[k].left_out = true;
@@ -98,8 +97,12 @@ class BallOnMesh {
     out.normal = place.normalized();
     return out;
   }
-  /// The ball is over the triangle or the hollow that it is a side of; not so beyond the edge of a blade, behind a
-  /// side.
+  Touch on_plane_of(std::uint32_t t) const {
+    const Vec3 normal = normal_towards(mesh_, t, centre_);
+    return {{centre_, normal.dot(centre_ - mesh_.corners(t)[0])}, t, normal};
+  }
+  /// The ball is over the triangle or the hollow that it is a side of; not so beyond the edge of a blade, behind one of
+  /// its sides.
   bool goes_on(const Touch& touch) const {
     const Vec3 normal = normal_towards(mesh_, touch.triangle, centre_);
     return goes_on_to(mesh_, touch.triangle, normal, centre_, springs_, tolerance_);
