@@ -109,8 +109,8 @@ struct Jkr {
     const Real held = if_less(none, old, one, none), touches = if_less(none, c.overlap, one, none);
     const Real begins = touches * (1.0 - held), beyond = if_less(c.overlap, none, held, none);
     Real alive = max(held, touches);
-    // u^4/R - B u = delta is convex and rising on the branch: Newton from above falls to the root; from the last root,
-    // which is near, in two or three steps, unless it lies where the branch is flat
+    // u^4/R - B u = delta is convex and rising on the branch: Newton from above falls to the root, where the branch is
+    // flat too. From the last root, which is near, one step with two more terms of the series of the inverse is exact.
     const Real flat = max(if_less(0.75 * B * R, old * old * old, none, alive), beyond);
     ResponseOf<Real> out;
     Real u = old, least{};
@@ -128,10 +128,13 @@ struct Jkr {
     u = if_less(none, alive, u, one);
     Real open = alive;  // each lane by its own condition alone: the same bits for every number of lanes
     for (int k = 0; k < 60 && any_less(none, open); ++k) {
-      const Real cube = u * u * u * curvature;
-      const Real next = max(u - ((cube - B) * u - c.overlap) / (4.0 * cube - B), least), change = next - u;
-      u = if_less(none, open, next, u);
-      open = if_less(1e-15 * u, max(change, -change), open, none);
+      const Real cube = u * u * u * curvature, inverse = 1.0 / (4.0 * cube - B);
+      const Real move = ((cube - B) * u - c.overlap) * inverse, bend = 4.0 * curvature * inverse * u * move;
+      const Real next = 1.5 * u * bend, size = max(next, -next);  // second term of the series over the first
+      const Real series = if_less(size, 0.1 * one, 1.0 + next + 2.0 * next * next - bend * move, one);
+      u = if_less(none, open, max(u - move * series, least), u);
+      const Real error = size * size * size * move;
+      open = if_less(1e-17 * u, max(error, -error), open, none);
     }
     now.root = if_less(none, alive, u, none);
     const Real a = u * u;
@@ -142,7 +145,7 @@ struct Jkr {
     // c ~ sqrt(k) ~ sqrt(a)
     out.share_before = old / u * begun_share<Real>(c.overlap - moved, 3.0 * moved - 2.0 * late, none);
     const Real begun = begun_share<Real>(c.overlap, moved, none);
-    out.dashpot = begun * p.damping * sqrt(c.effective_mass * out.stiffness);
+    out.dashpot = begun * p.damping * (now.root * sqrt(2.0 * p.modulus * c.effective_mass));  // sqrt(m* k)
     const Real viscous = c.viscous(out.dashpot, out.stiffness);
     out.adhesion = if_less(none, alive, 4.71238898038469 * p.work * R, none);
     out.energy = if_less(none, alive, energy(p, curvature, u), none);

@@ -198,6 +198,33 @@ TEST_CASE("JKR: pull-off force and range of the closed form, DMT: constant attra
   CHECK(Dmt::respond(d, {1e-15, 0, 1, R}).force == Approx(-2 * pi * w * R).epsilon(1e-4));
 }
 
+TEST_CASE("JKR: contact radius at any overlap, from near and from far, to rounding", "[laws][adhesion]") {
+  constexpr double rounding = std::numeric_limits<double>::epsilon();
+  for (std::uint64_t draw = 0; draw < 2000; ++draw) {
+    Random random(23, draw);
+    const auto decades = [&](double from, double to) { return std::pow(10.0, random.uniform(from, to)); };
+    const double R = decades(-6, -1), E = decades(4, 10), w = decades(-3, 0), B = std::sqrt(2 * pi * w / E);
+    const Jkr::Parameters p{{E, 0.0, w}, B};
+    Jkr::State state{}, next{};
+    double overlap = 0.01 * R * decades(-6, 0);
+    for (int step = 0; step < 20; ++step) {
+      Jkr::respond(p, {overlap, 0, 1, R}, state, next);
+      REQUIRE(Jkr::holds(next));
+      const double u = next.root, wide = u * u * u * u / R;
+      REQUIRE(std::abs(wide - B * u - overlap) <= 4 * rounding * (wide + B * u));
+      state = next;
+      const double kind = random.uniform(0, 4), end = 0.9999999 * Jkr::reach(p, R);
+      if (kind < 1)
+        overlap *= 1 + 1e-4 * random.uniform(-1, 1);
+      else if (kind < 2)
+        overlap = 0.01 * R * decades(-6, 0);
+      else
+        overlap = -end * (kind < 3 ? random.uniform(0, 1) : 1 - decades(-9, 0));
+      overlap = std::max(overlap, -end);
+    }
+  }
+}
+
 TEST_CASE("a JKR sphere loses 7.09 (w^5 R^4/E^2)^(1/3) in an impact and sticks below that (Thornton and Ning 1998)",
           "[laws][adhesion][impact]") {
   const double R = 5e-4, w = 0.2, E = 1e7 / (1 - 0.16), m = 4.0 / 3.0 * pi * R * R * R * 1000;
