@@ -51,7 +51,6 @@ struct ResponseOf {
   Real lost{};           ///< energy lost to plastic deformation or adhesion since the last step [J]
   Real dashpot{};  ///< c of the viscous part of N [N s/m]; if a damped law leaves it 0, losses have errors of order dt
   Real growth{};   ///< laws without memory: q of c ~ overlap^q, 0 to 1.5
-  Real share_before{};  ///< laws with memory: c of the previous step over c now, 0 for a new contact
 };
 using NormalResponse = ResponseOf<double>;
 
@@ -99,26 +98,6 @@ concept NormalLaw = LawPart<L> &&
     { L::respond(p, c, s, s) } -> std::same_as<NormalResponse>;
   };  ///< state before, state now
 };
-
-/// What the dashpot of a law loses (laws/smooth/damper.h). remembers: the law has memory.
-template <class Real>
-EPAFI_LANES DashpotLoss<Real> viscous_loss(const KinematicsOf<Real>& at, const ResponseOf<Real>& r, bool remembers) {
-  const double before = at.step.before;
-  DampedContact<Real> now{r.elastic_force + r.adhesion, r.stiffness, r.dashpot, {r.share_before, Real{} + 1.0}};
-  if (!remembers) {
-    const Real moved = at.step.dt * at.middle_velocity, late = at.step.dt * at.approach_velocity;
-    const Real begun = begun_share<Real>(at.overlap, moved, r.growth);
-    now.before = dashpot_before<Real>(at.overlap, moved, r.growth);
-    const Real overlap_before = at.overlap - moved, moved_before = before * (moved - (1.0 + before) * (late - moved));
-    now.before.part = now.before.part * begun_share<Real>(overlap_before, moved_before, r.growth);
-    now.before.begun = has_begun<Real>(overlap_before, moved_before);
-    now.before.whole = now.before.whole * begun;
-    now.dashpot = now.dashpot * begun;
-  }
-  // by the larger whole the dashpot acts as damper_in_step: dashpot_loss divides once
-  now.before.whole = now.before.whole * damper_excess<Real>(before * at.step.half_mobility, r.dashpot, r.growth);
-  return dashpot_loss<Real>(at.step, r.force - r.elastic_force, at.approach_velocity, at.middle_velocity, now);
-}
 
 /// A normal law that also evaluates several contacts at once.
 template <class L>

@@ -44,9 +44,9 @@ void plan_spheres(const Scene& scene, MemoryPlan& out) {
   out.pair = sizeof(SpherePlaces) + sizeof(Slot) + (scene.cell ? sizeof(SphereImage) + sizeof(std::uint32_t) : 0);
   // in a packed bed 1/6 of the contacts join two blocks and need a record
   const std::size_t record = sizeof(SphereRecord) + sizeof(SpherePlace) + (needs.rolling ? sizeof(Lanes) : 0);
-  out.contact = (needs.remembers() ? sizeof(TileSpring) : 0) + (needs.normal ? sizeof(double) : 0) +
-                (needs.bristles ? sizeof(PackedBristles) : 0) + (needs.rolling ? sizeof(TileSpring) : 0) +
-                (needs.damps_slip() ? sizeof(SphereLoads) : 0) + record / 6;
+  out.contact = (needs.friction ? sizeof(TileSpring) : 0) + (needs.normal ? sizeof(double) : 0) +
+                (needs.push ? sizeof(double) : 0) + (needs.bristles ? sizeof(PackedBristles) : 0) +
+                (needs.rolling ? sizeof(TileSpring) : 0) + (needs.damps_slip() ? sizeof(SphereLoads) : 0) + record / 6;
 }
 
 /// Bytes per contact in the contact model, besides the set of contacts.

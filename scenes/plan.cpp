@@ -222,9 +222,10 @@ struct Bill {
 void plan_laws(const Scene& scene, const Bill& bill, bool smooth) {
   const StepPlan& plan = bill.plan;
   const ContactSettings& c = scene.contact;
-  bill.pay(plan.needs.memory, smooth ? "tangential history" : "warm start",
-           smooth ? "every contact keeps its friction spring" : "impulses of the last step start the solver",
-           smooth ? c.friction.place : c.method.place);
+  bill.pay(plan.needs.memory, smooth ? "contact history" : "warm start",
+           smooth ? "friction springs, forces of dashpots and what else laws remember"
+                  : "impulses of the last step start the solver",
+           smooth ? c.law.place : c.method.place);
   bill.pay(plan.needs.curvature, "curvature", "the law needs the radius of the contact", c.law.place);
   bill.pay(plan.needs.area, "overlap volume", "the law takes the volume of the overlap", c.law.place);
   bill.pay(plan.needs.contact_moment, "contact moment", "rolling friction", c.rolling_friction.place);

@@ -141,10 +141,7 @@ struct Jkr {
     out.stiffness = if_less(none, alive, 2.0 * p.modulus * a, none);
     out.elastic_force = if_less(  // sqrt(8 pi w E* a^3) = 2 E* B a^(3/2)
         none, alive, 4.0 / 3.0 * p.modulus * a * a * a * curvature - 2.0 * p.modulus * B * a * u, none);
-    const Real moved = c.step.dt * c.middle_velocity, late = c.step.dt * c.approach_velocity;
-    // c ~ sqrt(k) ~ sqrt(a)
-    out.share_before = old / u * begun_share<Real>(c.overlap - moved, 3.0 * moved - 2.0 * late, none);
-    const Real begun = begun_share<Real>(c.overlap, moved, none);
+    const Real begun = begun_share<Real>(c.overlap, c.step.dt * c.middle_velocity, none);
     out.dashpot = begun * p.damping * (now.root * sqrt(2.0 * p.modulus * c.effective_mass));  // sqrt(m* k)
     const Real viscous = c.viscous(out.dashpot, out.stiffness);
     out.adhesion = if_less(none, alive, 4.71238898038469 * p.work * R, none);

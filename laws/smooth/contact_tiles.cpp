@@ -27,8 +27,8 @@ struct TileMemory {
       std::copy_n(from, numbers, to);
   }
 };
-/// Of the normal law, friction and rolling.
-using TileMemories = std::array<TileMemory, 3>;
+/// Of the normal law, friction, rolling and the force of the dashpot.
+using TileMemories = std::array<TileMemory, 4>;
 
 /// Power that fixed and driven bodies put into contact i: minus the force on them times the velocity there.
 [[gnu::noinline]] double driven_power(const SmoothCall& call, std::size_t i) {
@@ -107,8 +107,10 @@ class TileLoop {
     recall();
     const Passes& passes = call.passes;
     const PassCall of{&t, &passes, law.rows.data(), law.materials == 1, call.dt};
-    auto& [normal, friction, rolling] = memories;
-    passes.normal({of, TileMemory::of(normal.before), TileMemory::of(normal.now), call.lag, true, call.ratio});
+    auto& [normal, friction, rolling, push] = memories;
+    double* const pushes = law.needs.push ? TileMemory::of(push.now) : nullptr;
+    passes.normal({of, TileMemory::of(normal.before), TileMemory::of(normal.now), TileMemory::of(push.before), pushes,
+                   call.lag, true, call.ratio});
     if (passes.tangential) passes.tangential({of, friction.before.data(), friction.now.data()});
     if (passes.rolling) passes.rolling({of, rolling.before.data(), rolling.now.data(), call.lag, &r});
     remember();
@@ -276,6 +278,7 @@ struct TileTask {
     memories[0].fit(0, law.state);
     memories[1].fit(law.state, law.friction.memory);
     memories[2].fit(law.state + law.friction.memory, law.rolls ? sizeof(TileSpring) / sizeof(double) : 0);
+    memories[3].fit(memories[2].begin + memories[2].numbers, law.needs.push);
     TileLoop<n>(call, memories).run();
   }
 };

@@ -218,8 +218,10 @@ std::vector<Problem> check_smooth(const SmoothSetup& setup) {
 Needs smooth_needs(const SmoothSetup& setup) {
   const SmoothParts parts = smooth_parts(setup);
   const auto needs = [](auto l) { return Needs(decltype(l)::type::needs); };
-  return with_law(NormalLaws{}, parts.normal, needs) | with_law(TangentialLaws{}, parts.tangential, needs) |
-         with_law(RollingLaws{}, parts.rolling, needs);
+  Needs out = with_law(NormalLaws{}, parts.normal, needs) | with_law(TangentialLaws{}, parts.tangential, needs) |
+              with_law(RollingLaws{}, parts.rolling, needs);
+  out.memory = out.memory || smooth_law(setup).needs.push;
+  return out;
 }
 
 std::unique_ptr<ContactModel> make_smooth_contact(const SmoothSetup& setup) {

@@ -11,13 +11,15 @@ namespace epafi {
 
 /// Numbers of a record by part, in this order.
 struct RecordParts {
-  std::size_t normal = 0, friction = 0, rolling = 0;
+  std::size_t normal = 0, friction = 0, rolling = 0, push = 0;
 };
 
 class RecordMemory {
  public:
   explicit RecordMemory(RecordParts parts)
-      : parts_(parts), size_(parts.normal + parts.friction + parts.rolling), fresh_(std::max<std::size_t>(1, size_)) {}
+      : parts_(parts),
+        size_(parts.normal + parts.friction + parts.rolling + parts.push),
+        fresh_(std::max<std::size_t>(1, size_)) {}
 
   /// exchange(record): of a contact whose bodies A and B have changed places.
   template <class Exchange>
@@ -54,6 +56,7 @@ class RecordMemory {
     visit_part(visitor, "smooth/normal", 0, parts_.normal);
     visit_part(visitor, "smooth/friction", parts_.normal, parts_.friction);
     visit_part(visitor, "smooth/rolling", parts_.normal + parts_.friction, parts_.rolling);
+    visit_part(visitor, "smooth/push", size_ - parts_.push, parts_.push);
   }
 
  private:

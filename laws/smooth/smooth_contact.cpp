@@ -10,7 +10,8 @@ namespace epafi {
 namespace {
 
 RecordParts parts_of(const SmoothLaw& law) {
-  return {law.state, law.friction.memory, law.rolls ? sizeof(TileSpring) / sizeof(double) : 0};
+  return {law.state, law.friction.memory, law.rolls ? sizeof(TileSpring) / sizeof(double) : 0,
+          std::size_t{law.needs.push}};
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ struct SmoothLaw {
   AnyRolling::Type rolling = AnyRolling::Type::spring;
   bool locates = false;
 
-  bool remembers() const { return needs.friction || state > 0; }
+  bool remembers() const { return needs.remembers(); }
   Passes passes() const;
 };
 
@@ -119,8 +119,9 @@ void take_normal(const MaterialTable& table, SmoothLaw& law) {
       static_assert(sizeof p <= sizeof(Lanes), "a law with lanes has at most four numbers");
       std::memcpy(&law.rows[i].normal, &p, sizeof p);
     }
-    law.damped = law.damped || Law::is_damped(p);
+    law.needs.push = law.needs.push || Law::is_damped(p);
   });
+  law.damped = law.needs.push;
   if constexpr (RemembersNormal<Law>) {
     static_assert(sizeof(NormalState<Law>) % size == 0, "a law remembers numbers, all 0 of a contact that begins");
     law.state = sizeof(NormalState<Law>) / size;

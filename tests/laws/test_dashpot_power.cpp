@@ -1,11 +1,9 @@
-// Losses of dashpots as they are booked: the work on the way that bodies go, and of the size of forces and velocities
-// however a contact parts.
+// Losses of dashpots as they are booked: the work on the way that bodies go.
 #include <algorithm>
 #include <cmath>
 #include <random>
 #include <tuple>
 
-#include "laws/smooth/adhesion.h"
 #include "laws/smooth/damper.h"
 #include "tests/support/catch.h"
 #include "tests/support/experiments.h"
@@ -42,7 +40,7 @@ Booked impact_on_plane(const std::string& law, double elastic_power, double e, d
 }  // namespace
 
 TEST_CASE("the loss told of a dashpot is its work on the way that the body goes", "[laws][smooth][energy]") {
-  const std::pair<double, double> bounds[] = {{0.9, 2e-5}, {0.6, 1e-4}, {0.3, 5e-4}, {0.1, 3e-3}};
+  const std::pair<double, double> bounds[] = {{0.9, 1e-5}, {0.6, 1e-8}, {0.3, 1e-8}, {0.1, 1e-12}};
   const std::tuple<std::string, double, Parameters> laws[] = {
       {"hertz", 2.5, {}},
       {"linear", 2.0, parameters_of({{"stiffness", 1e5}})},
@@ -100,7 +98,7 @@ TEST_CASE("the energy balance of an impact that begins in overlap closes", "[law
 TEST_CASE("the loss told of a dashpot is its work where steps change too", "[laws][smooth][energy]") {
   std::mt19937 random(20);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
-  for (const auto& [e, bound] : {std::pair(0.6, 5e-4), std::pair(0.3, 2e-3), std::pair(0.1, 1e-2)})
+  for (const double e : {0.6, 0.3, 0.1})
     for (int draw = 0; draw < 40; ++draw) {
       const Material glass{"glass", 2500, 1e7, 0.3};
       const SmoothSetup setup = setup_of({"linear", e, 0, 0, parameters_of({{"stiffness", 1e5}})}, {glass});
@@ -121,53 +119,8 @@ TEST_CASE("the loss told of a dashpot is its work where steps change too", "[law
       const double energy = 0.5 * rig.mass();
       INFO("e " << e << ", draw " << draw);
       CHECK(exact > 0.5 * (1.0 - e * e) * energy);
-      CHECK(std::abs(rig.ledger.last().losses.viscous - exact) < bound * energy);
+      CHECK(std::abs(rig.ledger.last().losses.viscous - exact) < 1e-12 * energy);
     }
-}
-
-TEST_CASE("the loss told of a dashpot stays of the size of its forces, in contacts that part too", "[laws][smooth]") {
-  std::mt19937 random(17);
-  std::uniform_real_distribution<double> unit(0.0, 1.0);
-  for (const double growth : {0.0, 0.25, 0.5, 1.5})
-    for (int k = 0; k < 200000; ++k) {
-      const double overlap = std::pow(10.0, -9.0 + 6.0 * unit(random)), v = 2.0 * unit(random) - 1.0;
-      const double dt = 1e-5, mass = 1e-3, stiffness = 1e6 * unit(random), dashpot = 3.0 * unit(random);
-      const double late = v + 0.1 * (unit(random) - 0.5);
-      const DamperStep<double> step{dt, 0.5 * dt / mass};
-      const DampedContact<double> now{stiffness * overlap, stiffness, dashpot, dashpot_before(overlap, dt * v, growth)};
-      const double before = overlap + dt * std::abs(v);  // the deepest that the step began with
-      const double most = 40.0 * dashpot * std::pow(before / overlap, std::max(1.0, growth));
-      const double told = dashpot_loss(step, 0.0, late, v, now).late / dt;
-      REQUIRE(std::isfinite(told));
-      REQUIRE(std::abs(told) <= most * std::abs(late - v));
-    }
-}
-
-TEST_CASE("the loss told of an adhesive contact stays of the size of its forces, in necks too", "[laws][smooth]") {
-  std::mt19937 random(18);
-  std::uniform_real_distribution<double> unit(0.0, 1.0);
-  const double modulus = 1e6, radius = 1e-3, mass = 1e-5, dt = 1e-5;
-  for (int k = 0; k < 200000; ++k) {
-    const double work = std::pow(10.0, -4.0 + 4.0 * unit(random));
-    const Jkr::Parameters law{modulus, 1.5 * unit(random), work, std::sqrt(2.0 * pi * work / modulus)};
-    ContactKinematics c;
-    c.effective_mass = mass;
-    c.effective_radius = radius;
-    Jkr::State before, now;
-    const double reach = Jkr::reach(law, radius), overlap = reach * (3.0 * unit(random) - 0.9);
-    c.overlap = std::max(overlap, reach * unit(random));  // a contact begins where the bodies overlap
-    Jkr::respond(law, c, {}, before);
-    c.middle_velocity = (overlap - c.overlap) / dt;
-    c.approach_velocity = c.middle_velocity + 0.1 * (unit(random) - 0.5);
-    c.overlap = overlap;
-    c.step = {dt, 0.5 * dt / mass};
-    const NormalResponse r = Jkr::respond(law, c, before, now);
-    const double deepest = 2.0 * modulus * std::max(before.root, now.root) * std::max(before.root, now.root);
-    const double dashpot = law.damping * std::sqrt(mass * deepest);
-    const double speed = std::abs(c.middle_velocity) + 2.0 * std::abs(c.approach_velocity - c.middle_velocity);
-    const DashpotLoss<double> loss = viscous_loss(c, r, true);
-    REQUIRE(std::abs(loss.power + loss.late / dt) <= 40.0 * dashpot * speed * speed);
-  }
 }
 
 TEST_CASE("the balance of damped adhesive impacts closes, whether they part or stick", "[laws][smooth][energy]") {

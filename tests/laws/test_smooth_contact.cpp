@@ -106,7 +106,11 @@ TEST_CASE("contact forces are equal and opposite and open contacts carry none", 
 }
 
 TEST_CASE("a frictionless law reads no spin, no curvature and no orientation", "[laws][smooth]") {
-  const SmoothSetup setup = setup_of({"linear", 0.9, 0, 0, parameters_of({{"stiffness", 1e5}})}, {soft_glass});
+  const auto setup_with = [](double e) {
+    return setup_of({"linear", e, 0, 0, parameters_of({{"stiffness", 1e5}})}, {soft_glass});
+  };
+  CHECK(smooth_needs(setup_with(0.9)).memory);  // the force of the dashpot
+  const SmoothSetup setup = setup_with(1.0);
   const Needs needs = smooth_needs(setup);
   CHECK_FALSE((needs.rotation || needs.memory || needs.slip_velocity || needs.curvature || needs.contact_moment));
   Rig rig(setup);

@@ -34,10 +34,14 @@ SmoothLaw law_with(const std::string& law, bool locate) {
   return smooth_law(setup);
 }
 
+DashpotLoss<double> loss_of(const ContactKinematics& at, double push, double push_before) {
+  return dashpot_loss(at.step, push, push_before, at.approach_velocity, at.middle_velocity);
+}
+
 /// A full tile of random contacts, of which some are held beyond touch, against one at a time.
 template <int n>
 void check_tile(const SmoothLaw& law, bool one_row) {
-  auto tile = std::make_unique<ContactTile<n>>();
+  const auto tile = std::make_unique<ContactTile<n>>();
   ContactTile<n>& t = *tile;
   t.count = t.most;
   t.groups = t.size;
@@ -66,7 +70,10 @@ void check_tile(const SmoothLaw& law, bool one_row) {
   }
   const PairRow* rows = law.rows.data();
   const Passes passes = law.passes();
-  passes.normal({{tile.get(), &passes, rows, one_row, dt}, before, now, lag, true});
+  double push_before[ContactTile<n>::most], push[ContactTile<n>::most];
+  for (double& force : push_before) force = between(-1, 1);
+  double* const pushes = law.needs.push ? push : nullptr;
+  passes.normal({{tile.get(), &passes, rows, one_row, dt}, before, now, push_before, pushes, lag, true});
   for (std::size_t k = 0; k < t.most; ++k) {
     const auto& c = t.group[k / n];
     const double* numbers = law.numbers.data() + (one_row ? 0 : t.row[k]) * law.per_pair;
@@ -77,9 +84,12 @@ void check_tile(const SmoothLaw& law, bool one_row) {
     CHECK(c.normal_stiffness[k % n] == r.stiffness);
     CHECK(c.grip[k % n] == std::max(0.0, r.force + r.adhesion));
     CHECK(c.elastic[k % n] == r.energy);
+    const double force = law.needs.push ? r.force - r.elastic_force : 0.0;
+    const DashpotLoss<double> loss = loss_of(contacts[k], force, law.needs.push ? push_before[k] : 0.0);
+    CHECK((c.viscous[k % n] == loss.power && c.late[k % n] == loss.late));
+    if (law.needs.push) CHECK(push[k] == force);
     if (!law.needs.normal) continue;
-    CHECK(now[k] == next);
-    CHECK(c.lost[k % n] == r.lost);
+    CHECK((now[k] == next && c.lost[k % n] == r.lost));
   }
 }
 

@@ -11,7 +11,7 @@ struct FindCall {
 };
 
 /// Everything a block needs, so that the loop is compiled once per target.
-template <bool remembers>
+template <bool turns>
 struct BlockTask {
   explicit BlockTask(const FindCall& call) : block(call.block), arrays(call.arrays) {}
   SphereBlocks::Block& block;
@@ -21,14 +21,15 @@ struct BlockTask {
   EPAFI_LANES void run() const {
     SphereTotals<n> total;
     SphereSprings::Places places;
-    if (remembers && !(arrays.dt > 0.0)) {
+    const bool keeps = arrays.passes->needs.remembers();
+    if (keeps && !(arrays.dt > 0.0)) {
       thread_local std::vector<std::uint32_t> from;
       begin_contacts(block, arrays, from);
       block.springs.choose(from);
     }
-    if constexpr (remembers) places = block.springs.begin_step();
+    if (keeps) places = block.springs.begin_step();
     for (const SphereBlocks::Run& run : block.runs) sweep<n>(run, total, places);
-    if (remembers && arrays.dt > 0.0) block.springs.end_step(places);
+    if (keeps && arrays.dt > 0.0) block.springs.end_step(places);
     block.deepest = block.deepest_relative = 0.0;
     for (int l = 0; l < n; ++l) {
       block.deepest = std::max(block.deepest, double{total.deepest[l]});
@@ -56,13 +57,13 @@ struct BlockTask {
   /// Each kind of run is a function of its own.
   template <int n, bool wall, bool periodic>
   EPAFI_LANES void sweep(const SphereBlocks::Run& run, SphereTotals<n>& total, SphereSprings::Places& places) const {
-    run_apart<n>(SphereSweep<n, remembers, wall, periodic>{block, run, arrays, total, places});
+    run_apart<n>(SphereSweep<n, turns, wall, periodic>{block, run, arrays, total, places});
   }
 };
 
-template <bool remembers>
+template <bool turns>
 auto find_loop() {
-  return best_loop<BlockTask<remembers>, FindCall>();
+  return best_loop<BlockTask<turns>, FindCall>();
 }
 
 /// Of several processes: owners by place, and the blocks whose contacts all count here.

@@ -300,7 +300,7 @@ class FusedModel final : public FusedSpheres, public SharedModel {
     passes_ = law_.passes();
     dt_ = clock.dt;
     lag_ = lag(clock);
-    const auto loop = law_.needs.remembers() ? find_loop<true>() : find_loop<false>();
+    const auto loop = law_.needs.turns() ? find_loop<true>() : find_loop<false>();
     const bool unread = onward || (clock.run_on && !clock.run_on->rests);
     const SphereArrays arrays = arrays_of(world, clock, !unread);
     const auto threads = static_cast<std::size_t>(thread_count());

@@ -306,7 +306,7 @@ void SphereBlocks::Block::grow_records(std::size_t size, bool rolls) {
 
 SphereBlocks::Kept SphereBlocks::kept_of(const Block& block, const Run& run, std::uint32_t k, std::uint32_t rank,
                                          const std::vector<SpherePlane>& planes) const {
-  const Lanes& load = block.springs.friction(rank).load;
+  const Lanes load = needs_.friction ? block.springs.friction(rank).load : Lanes{};
   const std::uint32_t image = block.images.empty() ? 0u : block.images[k].key;
   const bool wall = run.plane >= 0;
   const Slot a = block.pairs[k].a.slot(), b = block.pairs[k].b.slot();
@@ -369,9 +369,10 @@ void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept)
   block.springs.choose(fresh);
   for (std::uint32_t rank = 0; rank < found.size(); ++rank) {
     const double* load = found[rank]->load;
-    block.springs.friction(rank).load = Lanes{load[0], load[1], load[2], load[3]};
+    if (needs_.friction) block.springs.friction(rank).load = Lanes{load[0], load[1], load[2], load[3]};
     const std::uint32_t more = found[rank]->more;
     if (needs_.normal) block.springs.normal(rank) = kept_.normal[more];
+    if (needs_.push) block.springs.push(rank) = kept_.push[more];
     if (needs_.bristles) block.springs.bristles(rank) = kept_.bristles[more];
     if (!needs_.rolling) continue;
     const Load& moment = kept_.rolling[more];
@@ -398,6 +399,7 @@ void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
         kept_.springs[at] = kept_of(blocks_[i], run, k, rank, planes);
         kept_.springs[at].more = at;
         if (needs_.normal) kept_.normal[at] = springs.normal(rank);
+        if (needs_.push) kept_.push[at] = springs.push(rank);
         if (needs_.bristles) kept_.bristles[at] = springs.bristles(rank);
         if (needs_.rolling) std::memcpy(kept_.rolling[at].data(), &springs.rolling(rank).load, sizeof(Load));
         ++at;

@@ -213,12 +213,13 @@ class SphereBlocks {
     UnwrittenColumn<Kept> springs;
     // one for each spring that ever was there, where it is needed
     UnwrittenColumn<Load> rolling;
-    UnwrittenColumn<double> normal;
+    UnwrittenColumn<double> normal, push;
     UnwrittenColumn<PackedBristles> bristles;
     template <class F>
     void each_more(const SphereNeeds& needs, const F& f) {
       if (needs.rolling) f(rolling, "spheres/rolling");
       if (needs.normal) f(normal, "spheres/normal");
+      if (needs.push) f(push, "spheres/push");
       if (needs.bristles) f(bristles, "spheres/bristles");
     }
   };

@@ -10,7 +10,7 @@ namespace epafi {
 
 /// Radius of the contact, and with friction how fast the surfaces move on each other; opening: velocity along the
 /// normal.
-template <int n, bool remembers, bool wall>
+template <int n, bool turns, bool wall>
 EPAFI_LANES void find_radii(SphereTile<n>& t, std::size_t g, const SphereArrays& with,
                             const VectorsOf<typename LanesOf<n>::Real>& velocity,
                             const typename LanesOf<n>::Real& opening) {
@@ -33,7 +33,7 @@ EPAFI_LANES void find_radii(SphereTile<n>& t, std::size_t g, const SphereArrays&
     c.radius = c.smaller = radius_a;
     c.lever = filled<n>(1.0);
   }
-  if constexpr (remembers) {
+  if constexpr (turns) {
     c.twist = 0.5 * with.dt * normal.dot(spin_a + spin_b);
     const VectorsOf<V> turning = (c.lever * radius_a) * spin_a + (c.lever * radius_b) * spin_b;
     c.slip = velocity - opening * normal - turning.cross(normal);
@@ -45,7 +45,7 @@ EPAFI_LANES void find_radii(SphereTile<n>& t, std::size_t g, const SphereArrays&
 }
 
 /// Relative velocities.
-template <int n, bool remembers, bool wall, bool periodic>
+template <int n, bool turns, bool wall, bool periodic>
 EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks::Block& block,
                              const SphereArrays& with) {
   using V = typename LanesOf<n>::Real;
@@ -92,15 +92,15 @@ EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks
       c.approach = later.dot(normal);
     }
   }
-  if constexpr (remembers)
+  if constexpr (turns)
     if (with.late_spins != nullptr) c.nearer = later;
   c.middle = -opening;
   c.inverse_mass = inverse_mass;
-  find_radii<n, remembers, wall>(t, g, with, velocity, opening);
+  find_radii<n, turns, wall>(t, g, with, velocity, opening);
 }
 
 /// Contribution of a contact to the sum of A, and with reversed force to that of B.
-template <int n, bool remembers>
+template <int n, bool turns>
 struct SumRow {
   using Two = LanesOf<2>::Real;
   RowOf<n> first;
@@ -109,7 +109,7 @@ struct SumRow {
   EPAFI_LANES SumRow turned() const { return {turn_three(first), second}; }
   EPAFI_LANES void add_to(SphereSum& sum) const {
     store<n>(sum.first, row<n>(sum.first) + first);
-    if constexpr (remembers) second_of(sum) += second;
+    if constexpr (turns) second_of(sum) += second;
   }
   EPAFI_LANES void write(SphereRecord& to) const {
     std::memcpy(to.first, &first, sizeof to.first);
@@ -117,8 +117,8 @@ struct SumRow {
   }
 };
 /// All in one register.
-template <bool remembers>
-struct SumRow<8, remembers> {
+template <bool turns>
+struct SumRow<8, turns> {
   LanesOf<8>::Real all;
   EPAFI_LANES SumRow turned() const {
     constexpr long long sign = static_cast<long long>(1ull << 63);
@@ -134,9 +134,9 @@ struct SumRow<8, remembers> {
   }
 };
 
-template <int n, bool remembers>
+template <int n, bool turns>
 EPAFI_LANES void write_sum_rows(const VectorsOf<typename LanesOf<n>::Real>& force,
-                                const VectorsOf<typename LanesOf<n>::Real>& pull, SumRow<n, remembers>* rows) {
+                                const VectorsOf<typename LanesOf<n>::Real>& pull, SumRow<n, turns>* rows) {
   if constexpr (n == 8) {
     LanesOf<8>::Real all[n];
     write_sixes(force, pull, all);
@@ -151,13 +151,13 @@ EPAFI_LANES void write_sum_rows(const VectorsOf<typename LanesOf<n>::Real>& forc
 }
 
 /// Adds to the sums; for B in another block to the records of the tile.
-template <int n, bool remembers, bool wall, bool periodic>
+template <int n, bool turns, bool wall, bool periodic>
 EPAFI_LANES void add_forces(SphereTile<n>& t, std::size_t g, const SphereArrays& with, SphereRecord* records,
                             SpherePlace* record_places) {
   using V = typename LanesOf<n>::Real;
   const VectorsOf<V> normal = t.normal(g), &load = t.group[g].load;
   VectorsOf<V> f = -(t.group[g].force * normal), moment{};
-  if constexpr (remembers) {
+  if constexpr (turns) {
     f = f + load;
     moment = t.group[g].lever * normal.cross(load);
   }
@@ -167,8 +167,8 @@ EPAFI_LANES void add_forces(SphereTile<n>& t, std::size_t g, const SphereArrays&
     t.group[g].virial_y = arm * normal.y * f.y;
     t.group[g].virial_z = arm * normal.z * f.z;
   }
-  SumRow<n, remembers> rows[n];
-  write_sum_rows<n, remembers>(f, moment, rows);
+  SumRow<n, turns> rows[n];
+  write_sum_rows<n, turns>(f, moment, rows);
   const SpherePlaces* bodies = t.bodies + g * n;
   for (int l = 0; l < n; ++l) {  // lane by lane, A and B: the order of a body's sum is not that of groups
     rows[l].add_to(with.sum(bodies[l].a));
@@ -185,7 +185,7 @@ EPAFI_LANES void add_forces(SphereTile<n>& t, std::size_t g, const SphereArrays&
 
 /// A run during the loops. Whether it goes across blocks is tested for each tile: separate loops would be 1 % faster
 /// but two fifths of the code.
-template <int n, bool remembers, bool wall, bool periodic>
+template <int n, bool turns, bool wall, bool periodic>
 struct SphereSweep {
   using Places = SphereSprings::Places;
   static constexpr std::uint32_t eight = SphereBlocks::pairs_per_byte;
@@ -206,7 +206,7 @@ struct SphereSweep {
     const SphereArrays with = arrays;
     const SphereLook<n, wall, periodic> all(block, range, arrays);
     std::uint8_t* const touched = block.touched.data();
-    const bool across = !wall && range.across;
+    const bool across = !wall && range.across, keeps = with.passes->needs.remembers();
     Places at = places;
     [[maybe_unused]] const TileSpring* springs = block.springs.friction();  // to ask for them: they may move
     [[maybe_unused]] SphereBlocks::Target* target = block.targets.data();
@@ -219,10 +219,10 @@ struct SphereSweep {
       const std::size_t begin = t.count;
       const unsigned before = touched[k / eight], now = all.eight_from(t, k, with, before);
       const std::uint32_t read = at.read;
-      if constexpr (remembers) {
+      if (keeps) {
         t.find_springs(begin, before, now, read);
         at.read += bit_places.count[before];
-        ask_for(springs + at.read);
+        if constexpr (turns) ask_for(springs + at.read);
       }
       if (across)
         for (; target->pairs_end <= k + eight; ++target)
@@ -231,22 +231,22 @@ struct SphereSweep {
       if (with.dt > 0.0) {
         if (const unsigned opened = before & ~now; opened != 0) release(k, before, opened, read);
         touched[k / eight] = static_cast<std::uint8_t>(now);
-      } else if (!remembers) {
+      } else if (!keeps) {
         touched[k / eight] = static_cast<std::uint8_t>(before | now);  // no time passes: what is remembered stays
       }
       if (t.count < full) continue;
       const std::size_t found = t.count;
-      if constexpr (remembers) {
+      if (keeps) {
         keep_unread(t, at, begin, read, with);
         springs = block.springs.friction();
       }
       t.count = full;
       evaluate(t, at, at.read - static_cast<std::uint32_t>(found), with);
       t.count = found - full;
-      for (std::size_t l = 0; l < eight; ++l) t.copy(full + l, l);
+      t.template copy<eight>(full, 0);
       if (with.dt > 0.0) t.find_row(at.read);
     }
-    if constexpr (remembers) keep_unread(t, at, t.count, at.read, with);
+    if (keeps) keep_unread(t, at, t.count, at.read, with);
     if (t.count > 0) evaluate(t, at, at.read - static_cast<std::uint32_t>(t.count), with);
     places = at;
   }
@@ -278,7 +278,7 @@ struct SphereSweep {
     const bool across = !wall && range.across;
     if (across && block.records.size() < at.record + t.groups * n)
       block.grow_records(at.record + SphereTile<n>::most, passes.needs.rolling);
-    for (std::size_t g = 0; g < t.groups; ++g) find_motion<n, remembers, wall, periodic>(t, g, block, with);
+    for (std::size_t g = 0; g < t.groups; ++g) find_motion<n, turns, wall, periodic>(t, g, block, with);
     note_depths<n>(t, total);
     const PassCall call = choose_rows(t, with);
     answer(t, call, at, row, with);
@@ -287,12 +287,11 @@ struct SphereSweep {
     for (std::size_t k = t.count; k < t.groups * n; ++k) t.bodies[k] = {with.nowhere, with.nowhere};
     SphereRecord* const records = across ? block.records.data() + at.record : nullptr;
     SpherePlace* const record_places = across ? block.record_places.data() + at.record : nullptr;
-    for (std::size_t g = 0; g < t.groups; ++g)
-      add_forces<n, remembers, wall, periodic>(t, g, with, records, record_places);
+    for (std::size_t g = 0; g < t.groups; ++g) add_forces<n, turns, wall, periodic>(t, g, with, records, record_places);
     if constexpr (periodic && !wall)
       if (with.owner != nullptr) [[unlikely]]
         leave_out_virials<n>(t, with);
-    total_up<n, remembers>(t, total, with.tells_energy, with.lag > 0.0, passes.needs.normal);
+    total_up<n, turns>(t, total, with.tells_energy, with.lag > 0.0, passes.needs.normal);
     if constexpr (periodic && !wall) add_virials<n>(t, total);
     at.write += static_cast<std::uint32_t>(t.count);
     if (across) at.record += static_cast<std::uint32_t>(t.count);
@@ -313,35 +312,48 @@ struct SphereSweep {
   /// The passes of the laws.
   EPAFI_LANES void answer(SphereTile<n>& t, const PassCall& call, const Places& at, std::uint32_t row,
                           const SphereArrays& with) const {
-    constexpr std::size_t most = SphereTile<n>::most;
+    push_apart(t, call, at, row, with);
+    if constexpr (!turns) return;
     const Passes& passes = *with.passes;
     SphereSprings& springs = block.springs;
-    if constexpr (!remembers) {
-      passes.normal({call, nullptr, nullptr, with.lag, with.tells_energy, with.ratio});
-    } else {
-      alignas(64) double before[most], now[most];
-      double* const column = springs.normal();
-      if (passes.needs.normal) t.gather_apart(column, row, before);
-      passes.normal({call, before, now, with.lag, with.tells_energy, with.ratio});
-      if (passes.needs.normal) remember(t, before, now, with.dt > 0.0 ? column + at.write : nullptr);
-      TileSpring gathered[most];
-      if (passes.tangential == nullptr) {
-        t.rest_springs();
-        if (with.dt > 0.0) std::fill_n(springs.friction() + at.write, t.count, TileSpring{});
-      } else if (!passes.needs.bristles) {
-        passes.tangential({call, t.gather(springs.friction(), row, gathered), springs.friction() + at.write});
-      } else {
-        pull_rows(t, call, at, row);
-      }
-      if (with.rolling != nullptr)
-        with.rolling({{call, passes.needs.rolling ? t.gather(springs.rolling(), row, gathered) : nullptr,
-                       springs.rolling() + (passes.needs.rolling ? at.write : 0), with.lag, nullptr},
-                      block,
-                      with,
-                      at,
-                      wall,
-                      !wall && range.across});
+    TileSpring gathered[SphereTile<n>::most];
+    if (passes.tangential == nullptr)
+      t.rest_springs();
+    else if (!passes.needs.bristles)
+      passes.tangential({call, t.gather(springs.friction(), row, gathered), springs.friction() + at.write});
+    else
+      pull_rows(t, call, at, row);
+    if (with.rolling != nullptr)
+      with.rolling({{call, passes.needs.rolling ? t.gather(springs.rolling(), row, gathered) : nullptr,
+                     springs.rolling() + (passes.needs.rolling ? at.write : 0), with.lag, nullptr},
+                    block,
+                    with,
+                    at,
+                    wall,
+                    !wall && range.across});
+  }
+
+  /// The normal law, and what it remembers.
+  EPAFI_LANES void push_apart(const SphereTile<n>& t, const PassCall& call, const Places& at, std::uint32_t row,
+                              const SphereArrays& with) const {
+    constexpr std::size_t most = SphereTile<n>::most;
+    alignas(64) double before[most], now[most], kept[most], pushed[most];
+    const Passes& passes = *with.passes;
+    const bool moves = with.dt > 0.0;
+    SphereSprings& springs = block.springs;
+    const double* push_before = kept;
+    double* push = nullptr;
+    if (passes.needs.push) {
+      if (passes.normal == passes.lanes)
+        push_before = t.gather(springs.push(), row, kept);
+      else  // contacts at edges are read after those of the lanes are written
+        t.gather_apart(springs.push(), row, kept);
+      push = moves ? springs.push() + at.write : pushed;
     }
+    if (passes.needs.normal) t.gather_apart(springs.normal(), row, before);
+    passes.normal({call, before, now, push_before, push, with.lag, with.tells_energy, with.ratio});
+    if (passes.needs.normal) remember(t, before, now, moves ? springs.normal() + at.write : nullptr);
+    if (push != nullptr && !moves) begin_with(t, push_before, push, springs.push());
   }
 
   /// Friction by rows of bristles. No time passes: a contact that begins remembers how many it has.
@@ -361,13 +373,17 @@ struct SphereSweep {
     }
   }
 
-  /// Memory of the normal law; to: null if no time passes, then only new contacts write.
-  EPAFI_LANES void remember(const SphereTile<n>& t, const double* before, const double* now, double* to) const {
+  /// No time passes: only new contacts write what they remember.
+  EPAFI_LANES static void begin_with(const SphereTile<n>& t, const double* before, const double* now, double* column) {
     for (std::size_t k = 0; k < t.count; ++k)
-      if (to != nullptr)
-        to[k] = now[k];
-      else if (before[k] == 0.0 && t.spring[k] != SphereSprings::unloaded)
-        block.springs.normal()[t.spring[k]] = now[k];
+      if (before[k] == 0.0 && t.spring[k] != SphereSprings::unloaded) column[t.spring[k]] = now[k];
+  }
+  /// Memory of the normal law; to: null if no time passes.
+  EPAFI_LANES void remember(const SphereTile<n>& t, const double* before, const double* now, double* to) const {
+    if (to != nullptr)
+      std::copy_n(now, t.count, to);
+    else
+      begin_with(t, before, now, block.springs.normal());
     // contacts that had broken before are listed within the reach, and hold no more
     if (arrays.reach > 0.0)
       for (std::size_t k = 0; k < t.count; ++k) total.touching -= before[k] == 0.0 && now[k] == 0.0;

@@ -21,8 +21,11 @@ struct SphereNeeds {
   bool dashpots = false;  ///< beside the friction springs
   bool rolling = false;   ///< resistance to rolling, with springs and moments of its own
   bool normal = false;    ///< the normal law has memory (one number)
+  bool push = false;      ///< the normal law damps: the force of its dashpot is remembered
   bool bristles = false;  ///< friction is a row of bristles
-  bool remembers() const { return friction || normal; }
+  bool remembers() const { return friction || normal || push; }
+  /// True if contacts turn bodies.
+  bool turns() const { return friction || damps_slip(); }
   /// True if spins at the time of the detection are needed and loads differ from those of the springs.
   bool damps_slip() const { return dashpots || rolling; }
 };
@@ -48,6 +51,8 @@ class SphereSprings {
   const SphereLoads& loads(std::uint32_t rank) const { return loads_[first_ + rank]; }
   double& normal(std::uint32_t rank) { return normal_[first_ + rank]; }
   double normal(std::uint32_t rank) const { return normal_[first_ + rank]; }
+  double& push(std::uint32_t rank) { return push_[first_ + rank]; }
+  double push(std::uint32_t rank) const { return push_[first_ + rank]; }
   PackedBristles& bristles(std::uint32_t rank) { return bristles_[first_ + rank]; }
   const PackedBristles& bristles(std::uint32_t rank) const { return bristles_[first_ + rank]; }
 
@@ -66,15 +71,17 @@ class SphereSprings {
   TileSpring* rolling() { return rolling_.data(); }
   SphereLoads* loads() { return loads_.data(); }
   double* normal() { return normal_.data(); }
+  double* push() { return push_.data(); }
   PackedBristles* bristles() { return bristles_.data(); }
 
  private:
   template <class F>
   void each_column(const F& f) {
-    f(friction_);
+    if (needs_.friction) f(friction_);
     if (needs_.rolling) f(rolling_);
     if (needs_.damps_slip()) f(loads_);
     if (needs_.normal) f(normal_);
+    if (needs_.push) f(push_);
     if (needs_.bristles) f(bristles_);
   }
   void grow(std::size_t size);
@@ -85,8 +92,9 @@ class SphereSprings {
   UnwrittenColumn<TileSpring> friction_, rolling_;
   UnwrittenColumn<SphereLoads> loads_;
   UnwrittenColumn<double> normal_;  ///< largest overlap, root of the contact radius ...
+  UnwrittenColumn<double> push_;    ///< force of the dashpot [N]
   UnwrittenColumn<PackedBristles> bristles_;
-  std::uint32_t first_ = 0, last_ = 0;
+  std::uint32_t first_ = 0, last_ = 0, room_ = 0;
 };
 
 }  // namespace epafi

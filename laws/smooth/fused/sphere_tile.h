@@ -88,13 +88,14 @@ struct SphereTile : ContactTile<n> {
     std::fill_n(this->y, room, all.y());
     std::fill_n(this->z, room, all.z());
   }
+  template <std::size_t many = 1>
   EPAFI_LANES void copy(std::size_t from, std::size_t to) {
-    Base::copy(from, to);
-    curvature[to] = curvature[from];
-    distance[to] = distance[from];
-    bodies[to] = bodies[from];
-    pair[to] = pair[from];
-    spring[to] = spring[from];
+    Base::template copy<many>(from, to);
+    Base::template copy<many>(curvature, from, to);
+    Base::template copy<many>(distance, from, to);
+    Base::template copy<many>(bodies, from, to);
+    Base::template copy<many>(pair, from, to);
+    Base::template copy<many>(spring, from, to);
   }
   /// The springs of the contacts from `begin` on: of `eight` pairs those that touch `now` did so `before` or have none
   /// yet; read: place of the first one of these pairs.

@@ -52,12 +52,14 @@ struct ContactTile {
     return out;
   }
   EPAFI_LANES V3 normal(std::size_t g) const { return {column(x, g), column(y, g), column(z, g)}; }
-  /// A contact once more, before it is in a group.
+  template <std::size_t many, class T>
+  EPAFI_LANES static void copy(T* column, std::size_t from, std::size_t to) {
+    std::memcpy(column + to, column + from, many * sizeof(T));
+  }
+  /// Contacts once more, before they are in a group.
+  template <std::size_t many = 1>
   EPAFI_LANES void copy(std::size_t from, std::size_t to) {
-    x[to] = x[from];
-    y[to] = y[from];
-    z[to] = z[from];
-    overlap[to] = overlap[from];
+    for (double* column : {x, y, z, overlap}) copy<many>(column, from, to);
   }
   /// Contact k counts nothing: another process counts it.
   EPAFI_LANES void leave_out(std::size_t k) {

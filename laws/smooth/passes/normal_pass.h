@@ -5,20 +5,25 @@
 
 namespace epafi {
 
-/// What a law says of the contacts of a group.
+/// What a law says of the contacts of group g.
 template <int n, bool remembers, class V = typename LanesOf<n>::Real>
-EPAFI_LANES void write_response(const NormalCall& call, typename ContactTile<n>::Group& c, const KinematicsOf<V>& at,
+EPAFI_LANES void write_response(const NormalCall& call, std::size_t g, const KinematicsOf<V>& at,
                                 const ResponseOf<V>& r) {
+  typename ContactTile<n>::Group& c = static_cast<ContactTile<n>*>(call.tile)->group[g];
+  const V push = r.force - r.elastic_force;
   c.force = r.force;
   c.normal_stiffness = r.stiffness;
   c.grip = at_least<n>(r.force + r.adhesion, 0.0);
   if constexpr (remembers) c.lost = r.lost;
-  if (call.lag > 0.0) {
-    const DashpotLoss<V> loss = viscous_loss(at, r, remembers);
+  if (call.push == nullptr) {
+    c.viscous = c.late = V{};
+  } else {
+    V before;
+    std::memcpy(&before, call.push_before + g * n, sizeof before);
+    std::memcpy(call.push + g * n, &push, sizeof push);
+    const DashpotLoss<V> loss = dashpot_loss(at.step, push, before, at.approach_velocity, at.middle_velocity);
     c.viscous = loss.power;
     c.late = loss.late;
-  } else {
-    c.viscous = (r.force - r.elastic_force) * at.approach_velocity;
   }
   if (call.tells_energy) c.elastic = r.energy;
 }
@@ -32,7 +37,7 @@ struct NormalPass {
     using V = typename LanesOf<n>::Real;
     auto& t = *static_cast<ContactTile<n>*>(call.tile);
     each_group<n>(t, call, &PairRow::normal, [&](std::size_t g, const V(&p)[PairRow::most]) EPAFI_INLINED {
-      typename ContactTile<n>::Group& c = t.group[g];
+      const typename ContactTile<n>::Group& c = t.group[g];
       KinematicsOf<V> at;
       at.overlap = t.column(t.overlap, g);
       at.approach_velocity = c.approach;
@@ -52,7 +57,7 @@ struct NormalPass {
       } else {
         r = Law::respond(row, at);
       }
-      write_response<n, RemembersNormal<Law>>(call, c, at, r);
+      write_response<n, RemembersNormal<Law>>(call, g, at, r);
     });
   }
 };

@@ -37,9 +37,11 @@ struct PointwiseNormal {
     c.grip[l] = std::max(0.0, r.force + r.adhesion);
     c.lost[l] = r.lost;
     c.elastic[l] = r.energy;
-    c.viscous[l] = (r.force - r.elastic_force) * at.approach_velocity;
-    if (!(call.lag > 0.0)) return;
-    const DashpotLoss<double> loss = viscous_loss(at, r, law.state > 0);
+    c.viscous[l] = c.late[l] = 0.0;
+    if (call.push == nullptr) return;
+    call.push[k] = r.force - r.elastic_force;
+    const DashpotLoss<double> loss =
+        dashpot_loss(at.step, call.push[k], call.push_before[k], at.approach_velocity, at.middle_velocity);
     c.viscous[l] = loss.power;
     c.late[l] = loss.late;
   }

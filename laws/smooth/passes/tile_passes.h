@@ -34,6 +34,8 @@ struct PassCall {
 struct NormalCall : PassCall {
   const double* before;  ///< what the tile's contacts remember, one behind the other
   double* now;
+  const double* push_before;  ///< forces of their dashpots [N]; null: no law damps
+  double* push;
   double lag;  ///< from the middle of the step to the detection [s]; 0: no law damps
   bool tells_energy;
   double ratio = 1.0;  ///< as DamperStep::before
