@@ -100,8 +100,8 @@ void Seams::hide(const World& world, ContactSet& contacts) {
   surface_.resize(groups_.size());
   std::iota(surface_.begin(), surface_.end(), 0u);
   hidden_.assign(contacts.size(), 0);
-  for (const Candidate& c : candidates_)
-    if (hidden_[c.contact] == 0 && is_hidden(world, contacts, c)) hidden_[c.contact] = 1;
+  instead_.resize(contacts.size());
+  find_hidden(world, contacts);
   decide_faces(world, contacts);
   const std::size_t before = hidden_.size();
   rest_on_few(world, contacts);
@@ -363,12 +363,29 @@ Vec3 Seams::centre_of_body(const World& world, const ContactSet& contacts, std::
   return wall_is_b ? Vec3(world.position[contacts.b[i]] - branch) : Vec3(world.position[contacts.a[i]] + branch);
 }
 
+/// A contact that carries no load yet may be with the second wall ahead: what holds instead of the first holds instead
+/// of that too, which is known once the first is hidden.
+void Seams::find_hidden(const World& world, ContactSet& contacts) {
+  bool more = true;
+  for (bool again = false; more; again = true) {
+    more = false;
+    for (const Candidate& c : candidates_) {
+      if (hidden_[c.contact] != 0 || (again && !(contacts.gap[c.contact] > 0.0)) || !is_hidden(world, contacts, c))
+        continue;
+      hidden_[c.contact] = 1;
+      more = predicted_;
+    }
+  }
+}
+
 bool Seams::is_hidden(const World& world, ContactSet& contacts, const Candidate& c) {
   const auto hides = [&](const Other& other) {
     if (!is_on(shapes_, other.piece, c.point, other.level)) return false;
     if (other.piece.part == WallPiece::whole && !world.is_movable(c.wall) && !world.is_movable(other.wall))
       join(*c.group, *other.held);
-    if (!holds_instead(world, contacts, c, other)) return false;
+    const std::size_t holder = find_holder(world, contacts, c, other);
+    if (holder == contacts.size()) return false;
+    instead_[c.contact] = holder;
     contacts.joined.push_back({c.body, other.wall, c.wall});
     return true;
   };
@@ -380,23 +397,27 @@ bool Seams::is_hidden(const World& world, ContactSet& contacts, const Candidate&
   return std::ranges::any_of(others_of(c), hides);
 }
 
-/// True if one of the body's contacts with the other wall has a normal of the union at the point, while this wall has
-/// another one there, or the same again. A body near an inclined joint would meet it below the supporting surface, so
-/// the height of the wall there counts. Of free neighbours each keeps flat contacts, because their loads differ.
-bool Seams::holds_instead(const World& world, const ContactSet& contacts, const Candidate& c,
-                          const Other& other) const {
+/// Which of the body's contacts with the other wall, or what holds instead of it, has a normal of the union at the
+/// point, while this wall has another one there, or the same again; as many as there are if none. A body near an
+/// inclined joint would meet it below the supporting surface, so the height of the wall there counts. Of free
+/// neighbours each keeps flat contacts, because their loads differ.
+std::size_t Seams::find_holder(const World& world, const ContactSet& contacts, const Candidate& c,
+                               const Other& other) const {
+  const std::size_t none = contacts.size();
   const bool beyond = goes_beyond(shapes_, other.piece, c.point, c.normal, other.level);
-  if (!beyond && (comes_first(c, other) || (other.free && flat_[c.body] != 0))) return false;
+  if (!beyond && (comes_first(c, other) || (other.free && flat_[c.body] != 0))) return none;
   const std::size_t begin = other.held->begin, end = other.held->end;
   // the body may be inclined: at the wall it is not as deep as at the point
   const double deep = other.level + other.held->depth;
   const bool predicted = contacts.gap[c.contact] > 0.0;
-  for (std::size_t k = begin; k < end; ++k) {
+  for (std::size_t first = begin; first < end; ++first) {
+    std::size_t k = first;
+    while (hidden_[k] != 0 && predicted && !world.cell) k = instead_[k];  // of images the shift is not known
     if (k == c.contact || hidden_[k] != 0) continue;
-    const Candidate held = candidate(world, contacts, k, contacts.b[k] == other.wall);
-    if (other.piece.part != WallPiece::whole && held.piece.part != other.piece.part) continue;
+    const Candidate held = candidate(world, contacts, k, contacts.a[k] == c.body);
+    if (k == first && other.piece.part != WallPiece::whole && held.piece.part != other.piece.part) continue;
     if (!beyond && same_direction(held.normal, c.normal) && (held.point + other.shift - c.point).norm() <= deep)
-      return true;
+      return k;
     // several points: the body lies on it, possibly inclined; also at the wall's edges its side gives the normal
     const bool flat = end - begin > 1 && held.on_wall;
     const Vec3 n = flat ? side_normal(shapes_, held.piece, held.point, held.normal, -infinity) : held.normal;
@@ -407,9 +428,9 @@ bool Seams::holds_instead(const World& world, const ContactSet& contacts, const 
       const Vec3 own = side_normal(shapes_, piece, at, n, -infinity);
       return !goes_beyond(shapes_, piece, at, own.dot(n) > level_cosine ? own : n, deep);
     };
-    if (ends_at(other.piece) && ends_at(c.piece)) return true;
+    if (ends_at(other.piece) && ends_at(c.piece)) return k;
   }
-  return false;
+  return none;
 }
 
 /// Points of one normal are kept or dropped together. They are kept if a visible one has a normal of its wall: a box

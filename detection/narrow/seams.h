@@ -135,6 +135,7 @@ class Seams {
   double near_of(Slot wall, Slot body) const;
   Candidate candidate(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b) const;
   WallPiece piece_at(const Candidate& c, const Vec3& point) const;
+  void find_hidden(const World& world, ContactSet& contacts);
   bool is_hidden(const World& world, ContactSet& contacts, const Candidate& c);
   /// Their walls are one surface.
   void join(const Group& first, const Group& second);
@@ -153,7 +154,7 @@ class Seams {
   bool stand_on_tops(const World& world, ContactSet& contacts, Slot body, double deepest, double size);
   ContactSet& meet_plate(const World& world, Slot body, bool curvature) const;
   void rest_on_tops(const World& world, ContactSet& contacts, std::span<const std::uint32_t> surface, double size);
-  bool holds_instead(const World& world, const ContactSet& contacts, const Candidate& c, const Other& other) const;
+  std::size_t find_holder(const World& world, const ContactSet& contacts, const Candidate& c, const Other& other) const;
   static bool comes_first(const Candidate& c, const Other& other);
   static Vec3 centre_of_body(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b);
   void decide_faces(const World& world, ContactSet& contacts);
@@ -177,6 +178,7 @@ class Seams {
   std::vector<Candidate> candidates_;       ///< in the order of the contacts
   std::vector<Other> others_;               ///< of the candidates
   std::vector<std::uint8_t> hidden_;        ///< by contact
+  std::vector<std::size_t> instead_;        ///< by hidden contact: what holds instead of it
   std::vector<std::uint32_t> surface_;      ///< by group: an earlier one whose wall is of the same surface, or itself
   std::vector<std::uint32_t> ordered_;      ///< groups that share a surface, or have a body of parts
   std::vector<SurfacePoint> points_on_;     ///< of one surface

@@ -2,7 +2,9 @@
 #include "detection/narrow/seams.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
+#include <span>
 
 #include "detection/narrow/narrow_phase.h"
 #include "engine/units/random.h"
@@ -44,12 +46,11 @@ void add_floor(Setting& s, int tiles, double height) {
     s.add(block(Vec3(length, 2.0, height)), {Vec3(-1.0 + (k + 0.5) * length, 0.0, -0.5 * height), Quat(1, 0, 0, 0)});
 }
 
-/// The same of tiles that are boxes, closed meshes, sheets or solids by chance.
-void add_mixed_floor(Setting& s, Random& random, int tiles, double height) {
-  const double length = 2.0 / tiles;
-  for (int k = 0; k < tiles; ++k) {
-    const Vec3 size(length, 2.0, height);
-    const Pose place{Vec3(-1.0 + (k + 0.5) * length, 0.0, -0.5 * height), Quat(1, 0, 0, 0)};
+/// A floor of tiles between these places along x, which are boxes, closed meshes, sheets or solids by chance.
+void add_mixed_tiles(Setting& s, Random& random, std::span<const double> seams, double height) {
+  for (std::size_t k = 0; k + 1 < seams.size(); ++k) {
+    const Vec3 size(seams[k + 1] - seams[k], 2.0, height);
+    const Pose place{Vec3(0.5 * (seams[k] + seams[k + 1]), 0.0, -0.5 * height), Quat(1, 0, 0, 0)};
     TriangleSurface surface = testing::box_surface(0.5 * size);
     const std::uint64_t kind = random.bits() % 4;
     if (kind == 0) s.add(block(size), place);
@@ -288,7 +289,7 @@ TEST_CASE("a box that leans is not stopped where its front comes over the next t
     if (k < 400)
       add_floor(s, 4, 0.1);
     else
-      add_mixed_floor(s, random, 4, 0.1);
+      add_mixed_tiles(s, random, std::array{-1.0, -0.5, 0.0, 0.5, 1.0}, 0.1);
     const double pitch = (k % 2 == 0 ? 1.0 : -1.0) * std::pow(10.0, random.uniform(-9, -3));
     const double depth = std::pow(10.0, random.uniform(-6, -3)), ahead = std::pow(10.0, random.uniform(-8, -3));
     const Quat turn(Eigen::AngleAxisd(pitch, Vec3::UnitY()));
@@ -299,6 +300,28 @@ TEST_CASE("a box that leans is not stopped where its front comes over the next t
     INFO("draw " << k << ", pitch " << pitch << ", depth " << depth << ", ahead " << ahead);
     for (const Vec3& n : found.normal) REQUIRE(n.dot(s.up()) > 0.99);
     CHECK_THAT(deepest(found), WithinAbs(depth, 2e-6));
+  }
+}
+
+TEST_CASE("tiles narrower than the way of a step do not stop what will slide over them", "[detection][seams]") {
+  Random random(27, 0);
+  for (int k = 0; k < 400; ++k) {
+    Setting s(random);
+    std::vector<double> seams{-1.0, 0.0};
+    for (std::uint64_t more = 1 + random.bits() % 3; more > 0; --more)
+      seams.push_back(seams.back() + std::pow(10.0, random.uniform(-4, -2.5)));
+    seams.push_back(1.0);
+    add_mixed_tiles(s, random, seams, random.uniform(0.05, 0.3));
+    const double ahead = random.uniform(-5e-3, 1e-3), low = random.uniform(-1e-7, 1e-7);
+    const Quat across(Eigen::AngleAxisd(0.5 * testing::pi, Vec3::UnitX()));
+    if (k % 3 == 0)
+      s.add_body(block(Vec3(0.2, 0.2, 0.2)), {Vec3(ahead - 0.1, 0, 0.1 + low), Quat(1, 0, 0, 0)});
+    else
+      s.add_body(Cylinder(0.1, 0.2), {Vec3(ahead - 0.1, 0, 0.1 + low), k % 3 == 1 ? Quat(1, 0, 0, 0) : across});
+    const ContactSet found = s.contacts(6e-3);
+    INFO("draw " << k << ", tiles " << seams.size() - 1 << ", the second " << seams[2] << " wide, ahead " << ahead);
+    REQUIRE(found.size() > 0);
+    for (const Vec3& n : found.normal) CHECK(n.dot(s.up()) > 0.99);
   }
 }
 
