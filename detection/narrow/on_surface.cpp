@@ -209,17 +209,19 @@ struct Piece<S> {
     return false;
   }
   static double distance(const S& s, std::size_t k, const Vec3& point, double near) {
-    const Vec3 at = point - s.part_pose(k, Pose{}).position;  // parts are not turned against the body
-    const double radius = s.part(k).bounding_radius() + near;
-    return at.squaredNorm() <= radius * radius ? Of::distance(s.part(k), at, near) : infinity;
+    const bool may_be_near = s.parts[k].box.fattened(near).contains(Aabb{point, point});
+    return may_be_near ? Of::distance(s.part(k), point - centre(s, k), near) : infinity;
   }
   static bool beyond(const S& s, std::size_t k, const Vec3& point, const Vec3& normal, double near) {
-    return Of::beyond(s.part(k), point - s.part_pose(k, Pose{}).position, normal, near);
+    return Of::beyond(s.part(k), point - centre(s, k), normal, near);
   }
   static Vec3 side_normal(const S&, const Vec3&, const Vec3& normal, double) { return normal; }
   static Vec3 side_normal(const S& s, std::size_t k, const Vec3& point, const Vec3& normal, double near) {
-    return Of::side_normal(s.part(k), point - s.part_pose(k, Pose{}).position, normal, near);
+    return Of::side_normal(s.part(k), point - centre(s, k), normal, near);
   }
+
+ private:
+  static const Vec3& centre(const S& s, std::size_t k) { return s.parts[k].centre; }  // not turned against the body
 };
 
 }  // namespace
@@ -293,7 +295,7 @@ PlaneSide plane_side(const ShapeStore& shapes, const WallPiece& piece, const Vec
     if constexpr (PolyhedralShape<S>) see_faces(s, Vec3::Zero());
     if constexpr (FlatParts<S> && PolyhedralShape<PartOf<S>>)
       for (std::size_t k = 0; k < s.part_count(); ++k) {
-        const Vec3 middle = s.part_pose(k, Pose{}).position;
+        const Vec3 middle = s.parts[k].centre;
         if ((middle - body).norm() <= s.part(k).bounding_radius() + reach) see_faces(s.part(k), middle);
       }
     if constexpr (std::is_same_v<S, TriangleMesh>) {

@@ -33,6 +33,9 @@ struct SolidParts {
   struct Placed {
     ConvexHull hull;  ///< about its own centre of mass, in the axes of the body
     Vec3 centre;      ///< body axes [m]
+    Aabb box;         ///< the same
+    Placed(ConvexHull about_centre, const Vec3& at)
+        : hull(std::move(about_centre)), centre(at), box(hull.bounding_box(Pose{at, Quat(1, 0, 0, 0)})) {}
   };
   std::vector<Placed> parts;
   HullSurface outline;          ///< convex hull of all, body axes: its corners carry the body on a plane; may be empty
