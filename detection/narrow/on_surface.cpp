@@ -254,6 +254,17 @@ double distance_to(const ShapeStore& shapes, const WallPiece& piece, const Vec3&
   });
 }
 
+void find_parts(const ShapeStore& shapes, const WallPiece& solid, const Vec3& point, double near,
+                std::vector<std::size_t>& out) {
+  out.clear();
+  const Vec3 local = solid.pose.to_local(point);
+  shapes.with(solid.shape, [&]<class S>(const S& s) {
+    if constexpr (FlatParts<S>)
+      for (std::size_t k = 0; k < s.part_count(); ++k)
+        if (Piece<S>::distance(s, k, local, near) <= near) out.push_back(k);
+  });
+}
+
 bool goes_beyond(const ShapeStore& shapes, const WallPiece& piece, const Vec3& point, const Vec3& normal, double near) {
   const Vec3 local = piece.pose.to_local(point), direction = piece.pose.orientation.conjugate() * normal;
   return shapes.with(piece.shape, [&]<class S>(const S& s) {

@@ -33,6 +33,10 @@ inline bool is_on(const ShapeStore& shapes, const WallPiece& piece, const Vec3& 
   return distance_to(shapes, piece, point, near) <= near;
 }
 
+/// Numbers of the parts of a solid that `point` (world axes) is on; `out` is cleared first.
+void find_parts(const ShapeStore& shapes, const WallPiece& solid, const Vec3& point, double near,
+                std::vector<std::size_t>& out);
+
 /// True where the body extends beyond `point` along `normal` (unit) by more than `near` [m]: a convex body as a whole,
 /// of solids the parts, of meshes the triangles that contain the point.
 bool goes_beyond(const ShapeStore& shapes, const WallPiece& piece, const Vec3& point, const Vec3& normal, double near);

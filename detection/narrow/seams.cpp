@@ -339,10 +339,11 @@ Seams::Candidate Seams::candidate(const World& world, const ContactSet& contacts
 /// Of a solid the first part with this normal at the point; the whole where there is none.
 WallPiece Seams::piece_at(const Candidate& c, const Vec3& point) const {
   WallPiece piece{c.piece.shape, c.piece.pose};
-  const std::size_t parts = part_count(shapes_, piece.shape);
-  if (parts < 2) return piece;
-  for (piece.part = 0; piece.part < parts; ++piece.part) {
-    if (!is_on(shapes_, piece, point, c.near)) continue;
+  if (part_count(shapes_, piece.shape) < 2) return piece;
+  static thread_local std::vector<std::size_t> parts;
+  find_parts(shapes_, piece, point, c.near, parts);
+  for (const std::size_t part : parts) {
+    piece.part = part;
     const Vec3 normal = side_normal(shapes_, piece, point, c.normal, c.near);
     if (!goes_beyond(shapes_, piece, point, normal, c.near)) return piece;
   }
@@ -389,8 +390,10 @@ bool Seams::is_hidden(const World& world, ContactSet& contacts, const Candidate&
     contacts.joined.push_back({c.body, other.wall, c.wall});
     return true;
   };
-  const std::size_t parts = c.piece.part == WallPiece::whole ? 0 : part_count(shapes_, c.piece.shape);
-  for (std::size_t part = 0; part < parts; ++part)
+  static thread_local std::vector<std::size_t> parts;
+  parts.clear();
+  if (c.piece.part != WallPiece::whole) find_parts(shapes_, {c.piece.shape, c.piece.pose}, c.point, c.near, parts);
+  for (const std::size_t part : parts)
     if (part != c.piece.part &&
         hides({c.wall, c.id, {c.piece.shape, c.piece.pose, part}, Vec3::Zero(), c.group, c.near}))
       return true;
