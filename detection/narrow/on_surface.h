@@ -1,5 +1,7 @@
 /// @file on_surface.h  Tests whether a point is on a wall, and whether the wall extends beyond a plane there.
 #pragma once
+#include <vector>
+
 #include "detection/shape_store.h"
 
 namespace epafi {
